@@ -1,0 +1,84 @@
+"""The one door to numba: `kernel` compiles a numeric function and keeps it on disk.
+
+A kernel takes arrays and scalars and returns arrays, scalars or named tuples; it does no
+checks and sees no strings or globals other than numbers and other kernels.
+
+numba's disk cache only watches the file that a function stands in, so a kernel that calls a
+kernel of another file would go stale when that one changes. The cache folder of a kernel file
+therefore carries a digest of that file and of all kernel files that it imports, directly or not.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+_ROOT = Path(__file__).resolve().parent
+_IMPORT = re.compile(r"^from geoprim_core\.([\w.]*_kernels\w*) import", re.MULTILINE)
+
+
+@cache
+def cache_base() -> Path | None:
+    """Return the folder that holds all compiled kernels, or None where none can be written.
+
+    `GEOPRIM_CACHE_DIR` overrides the default, `geoprim` below the user's cache folder.
+    """
+    home = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "geoprim"
+    base = Path(os.environ.get("GEOPRIM_CACHE_DIR") or home)
+    try:
+        base.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=base):
+            return base
+    except OSError:
+        return None
+
+
+def kernel_files(source: Path) -> list[Path]:
+    """Return a kernel file and all kernel files that it imports, directly or not, sorted."""
+    found = {source}
+    waiting = [source]
+    while waiting:
+        for name in _IMPORT.findall(waiting.pop().read_text()):
+            path = _ROOT.joinpath(*name.split(".")).with_suffix(".py")
+            if path not in found:
+                found.add(path)
+                waiting.append(path)
+    return sorted(found)
+
+
+@cache
+def source_digest(source: Path) -> str:
+    """Return a digest of a kernel file, of what it imports, and of the versions in use."""
+    digest = hashlib.sha256(f"{numba.__version__} {sys.version} {source}".encode())
+    for file in kernel_files(source):
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def kernel(function: Function) -> Function:
+    """Compile a numeric function with numba on first call and keep the result on disk.
+
+    Without a writable cache folder the kernel is compiled anew in every process.
+    """
+    base = cache_base()
+    if base is None:
+        return cast(Function, numba.njit(nogil=True, error_model="numpy")(function))
+    before = numba.config.CACHE_DIR
+    source = Path(function.__code__.co_filename)
+    # Read once, while the function is decorated.
+    numba.config.CACHE_DIR = str(base / f"{source.stem.lstrip('_')}-{source_digest(source)}")
+    try:
+        return cast(Function, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+    finally:
+        numba.config.CACHE_DIR = before

@@ -1,0 +1,1 @@
+"""The command line: `geoprim detect`, `process`, `evaluate`, `bench` and their helpers."""

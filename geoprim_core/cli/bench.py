@@ -1,0 +1,45 @@
+"""`geoprim bench`: the speed of the chain, stage by stage, on one processor."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from pathlib import Path
+
+from geoprim_core.cli.detector import add_detector_arguments, detector_params
+from geoprim_core.errors import FileError
+from geoprim_core.evaluation.speed import STAGES, measure_chain, measure_first_detection
+from geoprim_core.io.images import list_images, read_image
+from geoprim_core.io.photographs import packaged_photographs
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument(
+        "images",
+        nargs="*",
+        type=Path,
+        metavar="IMAGE|FOLDER",
+        help="default: the photographs that the installed scikit-image ships",
+    )
+    parser.add_argument("--repeat", type=int, default=7, help="runs an image (default 7)")
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="write one row an image")
+    add_detector_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the table: stage, median and p95 milliseconds an image, share."""
+    params = detector_params(arguments)
+    paths = [p for given in arguments.images for p in list_images(given)]
+    if arguments.images and not paths:
+        raise FileError("no image found in " + ", ".join(map(str, arguments.images)))
+    images = {str(p): read_image(p) for p in paths} or packaged_photographs()
+    times = measure_chain(images, params, repeat=arguments.repeat)
+    print(times.markdown())
+    print(f"\nFirst detection in a fresh process: {measure_first_detection():.2f} s")
+    if arguments.csv is not None:
+        with arguments.csv.open("w", newline="") as file:
+            table = csv.writer(file)
+            table.writerow(["image", "width", "height", *STAGES, "total"])
+            table.writerows(times.rows())
+    return 0

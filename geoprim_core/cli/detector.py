@@ -1,0 +1,29 @@
+"""What `detect`, `process`, `evaluate` and `bench` share: the detector's parameters."""
+
+from __future__ import annotations
+
+import argparse
+
+from geoprim_core.cli.options import add_params, given_params
+from geoprim_core.ecc import TABLE, DetectorParams
+
+
+def add_detector_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add `--scheme` and every parameter of the chain."""
+    parser.add_argument(
+        "--scheme",
+        choices=[row.name for row in TABLE],
+        help="a scheme of the ECC detector with its own settings of every stage "
+        f"(default {DetectorParams().ecc.scheme})",
+    )
+    add_params(parser, DetectorParams, "parameters")
+
+
+def detector_params(
+    arguments: argparse.Namespace, base: DetectorParams | None = None
+) -> DetectorParams:
+    """Return the parameters: of the base or of the scheme named, then what was given one by one."""
+    params = base or DetectorParams()
+    if arguments.scheme is not None:
+        params = DetectorParams.for_scheme(arguments.scheme)
+    return params.updated(given_params(arguments, DetectorParams))

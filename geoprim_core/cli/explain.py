@@ -1,0 +1,41 @@
+"""`geoprim explain`: see why an ellipse was found or lost."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from dataclasses import asdict, fields
+from pathlib import Path
+
+from geoprim_core.cli.detector import add_detector_arguments, detector_params
+from geoprim_core.errors import FileError
+from geoprim_core.io.explain import Hypothesis, explain_detection
+from geoprim_core.io.images import read_image, write_image
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("image", type=Path, metavar="IMAGE")
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="DIR", help="where the pictures go"
+    )
+    add_detector_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write one picture a step and hypotheses.csv, and print what became of the hypotheses."""
+    explained = explain_detection(read_image(arguments.image), detector_params(arguments))
+    for number, (name, picture) in enumerate(explained.pictures.items(), start=1):
+        path = arguments.output / f"{number}_{name}.png"
+        write_image(path, picture)
+        print(path)
+    table = arguments.output / "hypotheses.csv"
+    try:
+        with table.open("w", newline="") as file:
+            writer = csv.DictWriter(file, [field.name for field in fields(Hypothesis)])
+            writer.writeheader()
+            writer.writerows(asdict(h) for h in explained.hypotheses)
+    except OSError as problem:
+        raise FileError(f"cannot write {table}: {problem.strerror}") from None
+    print(f"{table}: {len(explained.hypotheses)} judged, {len(explained.detections)} reported")
+    return 0

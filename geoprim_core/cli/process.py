@@ -1,0 +1,51 @@
+"""`geoprim process`: a bag in, a bag with contours, polygons, ellipses and objects out."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from geoprim_core.applications import SortingParams
+from geoprim_core.cli.detector import add_detector_arguments, detector_params
+from geoprim_core.ecc import DetectorParams
+from geoprim_core.io.config import Config, load_config
+from geoprim_core.io.process import process_bag
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("bag", type=Path, metavar="IN.mcap", help="or a rosbag2 folder")
+    parser.add_argument("--output", type=Path, required=True, metavar="OUT.mcap")
+    parser.add_argument("--overlays", type=Path, metavar="DIR", help="draw the results here")
+    parser.add_argument(
+        "--overlay-every", type=int, default=1, metavar="N", help="draw every N-th frame (1)"
+    )
+    parser.add_argument("--topic", default="image", help="the image topic (default image)")
+    parser.add_argument(
+        "--config", type=Path, metavar="YAML", help="a scenario file as the nodes take it"
+    )
+    add_detector_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Process every frame; exit code 1 where frames were bad or parts of the bag were lost."""
+    given = arguments.config is not None
+    config = load_config(arguments.config) if given else Config(DetectorParams(), SortingParams())
+    report = process_bag(
+        arguments.bag,
+        arguments.output,
+        overlays=arguments.overlays,
+        overlay_every=arguments.overlay_every,
+        params=detector_params(arguments, config.detector),
+        sorting=config.sorting,
+        plane_distance=config.plane_distance,
+        topic=arguments.topic,
+    )
+    print(report.table())
+    pace = report.frames / report.seconds if report.seconds else 0.0
+    print(
+        f"{report.frames} frames in {report.seconds:.1f} s ({pace:.1f} frames/s): {report.output}"
+    )
+    if report.overlays:
+        print(f"{len(report.overlays)} overlays: {report.overlays[0].parent}")
+    return 1 if report.bad_frames or report.losses else 0

@@ -1,0 +1,110 @@
+"""Kernels of the `refined` scheme: what is known of each smooth arc."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from geoprim_core._check import BoolArray, FloatArray, IntArray
+from geoprim_core._jit import kernel
+from geoprim_core.ecc._kernels_refined_fit import add_point
+
+
+@kernel
+def describe_arcs(
+    points: FloatArray,
+    normals: FloatArray,
+    order: IntArray,
+    ends: IntArray,
+    min_sagitta: float,
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return a table of arcs and their moments about their own middle point.
+
+    Columns: 0-1 middle; 2-7 start, middle, end of the arc; 8-13 inner normals near these; 14-15
+    normal of the chord away from the arc; 16 polarity, +1 where the gradient points inwards;
+    17 sagitta; 18 number of points; 19 radius of the arc about its middle.
+    """
+    count = len(ends) - 1
+    table = np.zeros((count, 20))
+    moments = np.zeros((count, 25))
+    for i in range(count):
+        low, high = ends[i], ends[i + 1]
+        size = high - low
+        start, end = order[low], order[high - 1]
+        mid = order[low + size // 2]
+        row = table[i]
+        row[0], row[1] = points[mid, 0], points[mid, 1]
+        reach = min(5, size // 3)
+        for part in range(3):
+            at = (low, low + size // 2 - reach // 2, high - reach)[part]
+            x = y = nx = ny = 0.0
+            for k in range(at, at + reach):
+                x += points[order[k], 0]
+                y += points[order[k], 1]
+                nx += normals[order[k], 0]
+                ny += normals[order[k], 1]
+            norm = math.hypot(nx, ny) + 1e-300
+            row[2 + 2 * part] = x / reach
+            row[3 + 2 * part] = y / reach
+            row[8 + 2 * part] = nx / norm
+            row[9 + 2 * part] = ny / norm
+        cx = 0.5 * (points[start, 0] + points[end, 0]) - row[0]
+        cy = 0.5 * (points[start, 1] + points[end, 1]) - row[1]
+        side = 1.0 if cx * row[10] + cy * row[11] > 0.0 else -1.0
+        for k in range(8, 14):
+            row[k] *= side
+        row[16] = side
+        dx = points[end, 0] - points[start, 0]
+        dy = points[end, 1] - points[start, 1]
+        length = math.hypot(dx, dy)
+        if length > 1e-9:
+            nx, ny = -dy / length, dx / length
+            if nx * cx + ny * cy < 0.0:
+                nx, ny = -nx, -ny
+            row[14], row[15] = nx, ny
+            row[17] = nx * cx + ny * cy
+        else:
+            row[17] = math.hypot(cx, cy)
+        row[18] = size
+        far = 0.0
+        for k in range(low, high):
+            x = points[order[k], 0] - row[0]
+            y = points[order[k], 1] - row[1]
+            far = max(far, x * x + y * y)
+            add_point(moments[i], x, y)
+        row[19] = math.sqrt(far)
+    keep = table[:, 17] >= min_sagitta
+    return table, moments, keep
+
+
+@kernel
+def gather(indices: IntArray, ends: IntArray, chosen: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the indices of the chosen arcs, one after the other, and their offsets."""
+    offsets = np.zeros(len(chosen) + 1, np.int64)
+    for k in range(len(chosen)):
+        offsets[k + 1] = offsets[k] + ends[chosen[k] + 1] - ends[chosen[k]]
+    result = np.empty(offsets[-1], np.int64)
+    for k in range(len(chosen)):
+        result[offsets[k] : offsets[k + 1]] = indices[ends[chosen[k]] : ends[chosen[k] + 1]]
+    return result, offsets
+
+
+@kernel
+def chain_normals(points: FloatArray, offsets: IntArray, closed: BoolArray) -> FloatArray:
+    """Return unit normals (N, 2) of contours from the points two before and after each."""
+    normals = np.zeros((len(points), 2))
+    for c in range(len(offsets) - 1):
+        low, high = offsets[c], offsets[c + 1]
+        size = high - low
+        for k in range(low, high):
+            i, j = max(low, k - 2), min(high - 1, k + 2)
+            if closed[c]:
+                i, j = low + (k - low - 2) % size, low + (k - low + 2) % size
+            dx, dy = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1]
+            length = math.hypot(dx, dy)
+            if length > 0.0:
+                normals[k, 0], normals[k, 1] = -dy / length, dx / length
+            else:
+                normals[k, 0] = 1.0
+    return normals

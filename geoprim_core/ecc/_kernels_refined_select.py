@@ -1,0 +1,126 @@
+"""Kernels of the `refined` scheme: selection by unclaimed support."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from geoprim_core._check import BoolArray, FloatArray, IntArray
+from geoprim_core._jit import kernel
+from geoprim_core.ecc._kernels_refined_fit import offset_of
+from geoprim_core.ecc._kernels_refined_support import ACROSS, Int32Array
+from geoprim_core.fitting._kernels_overlap import overlap_bound, overlap_of
+
+# What became of an ellipse.
+WEAK, CLAIMED, TWIN, CHOSEN = range(4)
+
+
+@kernel
+def claim(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    ellipse: FloatArray,
+    reach: float,
+    claimed: BoolArray,
+) -> None:
+    """Mark the edge points within `reach` of an outline that do not cross it."""
+    height, width = head.shape
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    a, b = ellipse[2], ellipse[3]
+    band = int(math.ceil(reach))
+    ct, st, t = 1.0, 0.0, 0.0
+    while t < 2.0 * math.pi:
+        norm = math.sqrt(a * a * st * st + b * b * ct * ct)
+        px = int(math.floor(ellipse[0] + a * ct * cos - b * st * sin + 0.5))
+        py = int(math.floor(ellipse[1] + a * ct * sin + b * st * cos + 0.5))
+        for y in range(max(0, py - band), min(height, py + band + 1)):
+            for x in range(max(0, px - band), min(width, px + band + 1)):
+                p = head[y, x]
+                while p >= 0:
+                    if not claimed[p]:
+                        d, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
+                        dot = abs(nx * normals[p, 0] + ny * normals[p, 1])
+                        claimed[p] = abs(d) <= reach and dot >= ACROSS
+                    p = following[p]
+        dt = min(0.5, 2.0 / norm)
+        t += dt
+        half = 0.5 * dt
+        grow = 1.0 / (1.0 + half * half)
+        cd, sd = (1.0 - half * half) * grow, 2.0 * half * grow
+        ct, st = ct * cd - st * sd, st * cd + ct * sd
+
+
+@kernel
+def is_twin(
+    ellipses: FloatArray, chosen: IntArray, found: int, candidate: int, most: float
+) -> bool:
+    """Tell whether an ellipse overlaps one of the chosen by more than `most`."""
+    for m in range(found):
+        other = ellipses[chosen[m]]
+        if overlap_bound(ellipses[candidate], other) > most:
+            if overlap_of(ellipses[candidate], other) > most:
+                return True
+    return False
+
+
+@kernel
+def select(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    ellipses: FloatArray,
+    figures: FloatArray,
+    offsets: IntArray,
+    support: IntArray,
+    min_evidence: float,
+    reach: float,
+    least: float,
+    most: float,
+) -> tuple[IntArray, IntArray]:
+    """Choose greedily the ellipse with the strongest support that no chosen one has claimed.
+
+    Strength is the unclaimed supported length, times the root of the coverage, less for scatter.
+    Returns the chosen in order, and what became of each ellipse.
+    """
+    count = len(ellipses)
+    claimed = np.zeros(len(points), np.bool_)
+    outcome = np.full(count, WEAK)
+    strength = np.empty(count)
+    share = np.ones(count)
+    alive = np.empty(count, np.bool_)
+    for k in range(count):
+        alive[k] = figures[k, 0] >= min_evidence
+        strength[k] = figures[k, 5] * math.sqrt(figures[k, 1]) / (1.0 + 2.0 * figures[k, 3])
+    chosen = np.empty(count, np.int64)
+    found = 0
+    while True:
+        best = -1
+        best_value = 0.0
+        for k in range(count):
+            if not alive[k] or strength[k] * share[k] <= best_value:
+                continue
+            free = 0
+            for s in range(offsets[k], offsets[k + 1]):
+                if not claimed[support[s]]:
+                    free += 1
+            share[k] = free / (offsets[k + 1] - offsets[k])
+            if share[k] < least:
+                alive[k] = False
+                outcome[k] = CLAIMED
+            elif is_twin(ellipses, chosen, found, k, most):
+                alive[k] = False
+                outcome[k] = TWIN
+            elif strength[k] * share[k] > best_value:
+                best, best_value = k, strength[k] * share[k]
+        if best < 0:
+            break
+        alive[best] = False
+        outcome[best] = CHOSEN
+        chosen[found] = best
+        found += 1
+        claim(head, following, points, normals, ellipses[best], reach, claimed)
+    return chosen[:found].copy(), outcome

@@ -1,0 +1,193 @@
+"""Kernels of the `refined` scheme: the support that all edge points give an ellipse."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from geoprim_core._check import FloatArray, IntArray
+from geoprim_core._jit import kernel
+from geoprim_core.ecc._kernels_refined_fit import offset_of
+from geoprim_core.fitting._kernels_shape import perimeter_of
+
+Int32Array = npt.NDArray[np.int32]
+
+PROBES = 32
+PROBE_COS = np.cos(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
+PROBE_SIN = np.sin(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
+CLEAN_RMS = 0.1  # pixels, the scatter of clean edges
+ACROSS = 0.82  # cosine of 35 degrees: an edge point turned further crosses the outline
+
+# Columns of the sums that `collect` makes.
+STEPS, IN_FRAME, COVERED, TURN, TURN_COVERED, SQUARES, INWARDS, CROSSING, SUMS = range(9)
+
+
+@kernel
+def index_points(points: FloatArray, width: int, height: int) -> tuple[Int32Array, Int32Array]:
+    """Return, for every pixel, the first edge point in it (-1: none) and each point's successor."""
+    head = np.full((height, width), -1, np.int32)
+    following = np.full(len(points), -1, np.int32)
+    for k in range(len(points) - 1, -1, -1):
+        x = int(math.floor(points[k, 0] + 0.5))
+        y = int(math.floor(points[k, 1] + 0.5))
+        if 0 <= x < width and 0 <= y < height:
+            following[k] = head[y, x]
+            head[y, x] = k
+    return head, following
+
+
+@kernel
+def arcs_of_points(order: IntArray, ends: IntArray, total: int) -> IntArray:
+    """Return for each of `total` points the arc that it is on, -1 for none."""
+    arc_of = np.full(total, -1, np.int64)
+    for i in range(len(ends) - 1):
+        for k in range(ends[i], ends[i + 1]):
+            arc_of[order[k]] = i
+    return arc_of
+
+
+@kernel
+def probe(
+    head: Int32Array,
+    following: Int32Array,
+    normals: FloatArray,
+    ellipse: FloatArray,
+    polarity: int,
+) -> float:
+    """Return the share of 32 places on an outline that have an edge of its direction nearby."""
+    height, width = head.shape
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    a, b = ellipse[2], ellipse[3]
+    hits = 0
+    inside = 0
+    for k in range(PROBES):
+        u, v = a * PROBE_COS[k], b * PROBE_SIN[k]
+        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
+        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
+        if px < 1 or py < 1 or px > width - 2 or py > height - 2:
+            continue
+        inside += 1
+        gu, gv = b * PROBE_COS[k], a * PROBE_SIN[k]
+        norm = math.sqrt(gu * gu + gv * gv)
+        nx, ny = (gu * cos - gv * sin) / norm, (gu * sin + gv * cos) / norm
+        hit = False
+        for y in range(py - 1, py + 2):
+            for x in range(px - 1, px + 2):
+                p = head[y, x]
+                while p >= 0 and not hit:
+                    dot = -(nx * normals[p, 0] + ny * normals[p, 1])
+                    hit = abs(dot) > 0.9 and (polarity == 0 or dot * polarity > 0.0)
+                    p = following[p]
+        if hit:
+            hits += 1
+    return hits / inside if inside > 0 else 0.0
+
+
+@kernel
+def collect(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    ellipse: FloatArray,
+    stride: float,
+    reach: float,
+    min_cos: float,
+    polarity: int,
+    stamp: IntArray,
+    mark: int,
+    chosen: IntArray,
+    sums: FloatArray,
+) -> int:
+    """Collect the edge points that support an ellipse: near its outline and along its normal.
+
+    The outline is walked in steps of `stride` pixels; a step is covered when one of the nine
+    pixels around it holds a supporting point. Returns the number of points put in `chosen`; the
+    sums count steps, those in the frame and the covered ones, the turn of the normal over the
+    latter two, squared distances, and points with the gradient inwards or across the outline.
+    """
+    height, width = head.shape
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    a, b = ellipse[2], ellipse[3]
+    count = 0
+    sums[:] = 0.0
+    ct, st, t = 1.0, 0.0, 0.0
+    while t < 2.0 * math.pi:
+        u, v = a * ct, b * st
+        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
+        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
+        norm = math.sqrt(a * a * st * st + b * b * ct * ct)
+        dt = min(stride / norm, 0.5)
+        turn = a * b * dt / (norm * norm)
+        t += dt
+        half = 0.5 * dt
+        grow = 1.0 / (1.0 + half * half)
+        cd, sd = (1.0 - half * half) * grow, 2.0 * half * grow
+        ct, st = ct * cd - st * sd, st * cd + ct * sd
+        sums[STEPS] += 1.0
+        if px < 1 or py < 1 or px > width - 2 or py > height - 2:
+            continue
+        sums[IN_FRAME] += 1.0
+        sums[TURN] += turn
+        hit = False
+        for y in range(py - 1, py + 2):
+            for x in range(px - 1, px + 2):
+                p = head[y, x]
+                while p >= 0:
+                    if stamp[p] != mark and stamp[p] != -mark:
+                        d, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
+                        dot = -(nx * normals[p, 0] + ny * normals[p, 1])
+                        stamp[p] = -mark
+                        if abs(dot) < ACROSS:
+                            sums[CROSSING] += 1.0
+                        elif (
+                            abs(d) <= reach
+                            and abs(dot) >= min_cos
+                            and (polarity == 0 or dot * polarity > 0.0)
+                        ):
+                            stamp[p] = mark
+                            chosen[count] = p
+                            count += 1
+                            sums[SQUARES] += d * d
+                            sums[INWARDS] += 1.0 if dot > 0.0 else 0.0
+                    hit = hit or stamp[p] == mark
+                    p = following[p]
+        if hit:
+            sums[COVERED] += 1.0
+            sums[TURN_COVERED] += turn
+    return count
+
+
+@kernel
+def evidence_of(share: float, rms: float, across: float, length: float, semi_minor: float) -> float:
+    """Return the log odds that an ellipse is right.
+
+    `share` of the outline is supported over `length` pixels with a scatter of `rms`, and crossed
+    by `across` edge points for each supporting one. The rest is extrapolated: scatter and clutter
+    count in proportion to it. The weights are those of a logistic regression.
+    """
+    doubt = (1.0 - share) * (27.0 * rms + 20.0 * across)
+    return 2.3 * math.log(length) + math.log(semi_minor) - doubt - 10.2
+
+
+@kernel
+def hopeless(
+    sums: FloatArray, count: int, stride: float, ellipse: FloatArray, least: float
+) -> bool:
+    """Tell whether the evidence of a first collection of support is below `least`."""
+    share = min(sums[COVERED] / sums[IN_FRAME], sums[TURN_COVERED] / sums[TURN])
+    rms, across = math.sqrt(sums[SQUARES] / count), sums[CROSSING] / count
+    return evidence_of(share, rms, across, stride * sums[COVERED], ellipse[3]) < least
+
+
+@kernel
+def unpromising(share: float, ellipse: FloatArray, least: float) -> bool:
+    """Tell whether the evidence of an ellipse can hardly reach `least` after a probe's share.
+
+    The refits may find half as much again, and a little more, with a scatter as of clean edges.
+    """
+    best = min(1.0, 1.5 * share + 0.1)
+    length = best * perimeter_of(ellipse[2], ellipse[3])
+    return evidence_of(best, CLEAN_RMS, 0.0, length, ellipse[3]) < least

@@ -1,0 +1,131 @@
+"""The ellipse detector: image, contours, polygons, ellipses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from geoprim_core._check import AnyArray
+from geoprim_core.ecc.params import DetectorParams, EccParams
+from geoprim_core.ecc.refined import RefinedTrace, detect_refined, trace_refined
+from geoprim_core.ecc.schemes import SchemeTrace, trace_scheme
+from geoprim_core.edges import EdgeTrace, extract_contours, trace_edges
+from geoprim_core.params import as_params
+from geoprim_core.polygon import approximate
+from geoprim_core.types import Contours, EllipseDetections, Polygons
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DetectionTrace:
+    """Every intermediate result of `detect_ellipses`.
+
+    Attributes
+    ----------
+    edges : EdgeTrace
+    contours : Contours
+    polygons : Polygons
+    ecc : SchemeTrace or RefinedTrace
+        By the scheme.
+    detections : EllipseDetections
+    """
+
+    edges: EdgeTrace
+    contours: Contours
+    polygons: Polygons
+    ecc: SchemeTrace | RefinedTrace
+    detections: EllipseDetections
+
+
+def detect_ellipses(image: AnyArray, params: DetectorParams | None = None) -> EllipseDetections:
+    """Detect the ellipses in an image, best first.
+
+    Parameters
+    ----------
+    image : (H, W), (H, W, 3) or (H, W, 4) uint8, uint16, float32 or float64
+        Colours in the order blue, green, red (alpha).
+    params : DetectorParams, optional
+        `DetectorParams.for_scheme` gives the settings of the thesis.
+
+    Raises
+    ------
+    ImageError
+        The image is empty, of another shape or type, or holds NaN or infinity.
+
+    References
+    ----------
+    Thesis chapter 5.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> y, x = np.mgrid[0:100, 0:120]
+    >>> disc = np.clip(30.5 - np.hypot(x - 60, y - 50), 0, 1) * 200
+    >>> found = detect_ellipses(disc.astype(np.uint8), DetectorParams.for_scheme("3"))
+    >>> found.ellipses.x.round().tolist(), found.ellipses.semi_major.round().tolist()
+    ([60.0], [30.0])
+    """
+    chosen: DetectorParams = as_params(params, DetectorParams)
+    contours = extract_contours(image, chosen.edges)
+    return detect_from_contours(contours, find_polygons(contours, chosen), chosen.ecc)
+
+
+def detect_from_contours(
+    contours: Contours, polygons: Polygons, params: EccParams | None = None
+) -> EllipseDetections:
+    """Detect ellipses from edge contours and their polygonal approximations, best first.
+
+    Raises
+    ------
+    InputError
+        The polygons are not those of the contours.
+
+    References
+    ----------
+    Thesis 5.3.1 to 5.5.4.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.linspace(0, 2 * np.pi, 240, endpoint=False)
+    >>> circle = np.stack([60 + 40 * np.cos(t), 50 + 40 * np.sin(t)], axis=1).round()
+    >>> contours = Contours(circle, [0, 240], [True], (120, 100))
+    >>> polygons = Polygons(np.arange(0, 240, 12), [0, 20], [True])
+    >>> found = detect_from_contours(contours, polygons, EccParams(scheme="1"))
+    >>> found.ellipses.y.round().tolist()
+    [50.0]
+    """
+    chosen: EccParams = as_params(params, EccParams)
+    if chosen.scheme == "refined":
+        return detect_refined(contours, polygons, chosen.refined)
+    return trace_scheme(contours, polygons, chosen).detections
+
+
+def trace_detection(image: AnyArray, params: DetectorParams | None = None) -> DetectionTrace:
+    """Detect the ellipses in an image and keep every intermediate result.
+
+    Raises
+    ------
+    ImageError
+        As `detect_ellipses`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> trace = trace_detection(np.zeros((40, 50), np.uint8), DetectorParams.for_scheme("2"))
+    >>> len(trace.contours), len(trace.detections)
+    (0, 0)
+    """
+    chosen: DetectorParams = as_params(params, DetectorParams)
+    edges = trace_edges(image, chosen.edges)
+    polygons = find_polygons(edges.contours, chosen)
+    ecc: SchemeTrace | RefinedTrace
+    if chosen.ecc.scheme == "refined":
+        ecc = trace_refined(edges.contours, polygons, chosen.ecc.refined)
+    else:
+        ecc = trace_scheme(edges.contours, polygons, chosen.ecc)
+    return DetectionTrace(edges, edges.contours, polygons, ecc, ecc.detections)
+
+
+def find_polygons(contours: Contours, params: DetectorParams) -> Polygons:
+    """Approximate contours by the method that the parameters name, thesis 5.3 and 2.5.1.2."""
+    settings = params.polygon if params.polygon_method == "rdp_mod" else None
+    return approximate(contours, method=params.polygon_method, params=settings)

@@ -1,0 +1,157 @@
+"""First steps of the `refined` scheme: edge points, centre lines of strokes, smooth arcs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from geoprim_core._check import FloatArray, IntArray
+from geoprim_core.ecc import _kernels_refined_arcs as _arcs
+from geoprim_core.ecc import _kernels_refined_split as _split
+from geoprim_core.ecc import _kernels_refined_stroke as _stroke
+from geoprim_core.ecc._kernels_refined_support import Int32Array, index_points
+from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.types import Contours
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgePoints:
+    """All edge points of an image and where to find them.
+
+    Attributes
+    ----------
+    points : (N, 2) float64
+        Positions in pixels; with strokes, moved to the stroke's centre line.
+    normals : (N, 2) float64
+        Unit vectors along the gradient, from dark to bright.
+    head : (H, W) int32
+        The first edge point of every pixel, -1 for none.
+    following : (N,) int32
+        The next point in the same pixel, -1 for none.
+    stroke : float
+        Signed width of the strokes in pixels (negative: dark lines), 0 without strokes.
+    signed : bool
+        False where the sign of the gradient means nothing: on strokes, and when the contours
+        carry no gradient.
+    located : bool
+        True where the points are the steepest places of an image, to a fraction of a pixel.
+    """
+
+    points: FloatArray
+    normals: FloatArray
+    head: Int32Array
+    following: Int32Array
+    stroke: float
+    signed: bool
+    located: bool
+
+    @property
+    def diagonal(self) -> float:
+        """The diagonal of the image in pixels."""
+        return math.hypot(*self.head.shape)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SmoothArcs:
+    """Smooth arcs of edge points, longest first.
+
+    Attributes
+    ----------
+    indices : (M,) int64
+        Indices of edge points, in order along each arc.
+    offsets : (A + 1,) int64
+        Arc k is `indices[offsets[k]:offsets[k + 1]]`.
+    table : (A, 20) float64
+        Middle, ends, inner normals, chord, polarity, height, number of points and radius.
+    moments : (A, 25) float64
+        Sums of x^p y^q about the middle at [5 p + q], p + q <= 4.
+    """
+
+    indices: IntArray
+    offsets: IntArray
+    table: FloatArray
+    moments: FloatArray
+
+    def __len__(self) -> int:
+        """Return the number of arcs."""
+        return len(self.offsets) - 1
+
+
+def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
+    """Gather the edge points of all contours, those of drawn lines on the centre line.
+
+    When more than a share `stroke_share` of all points have an edge of the opposite direction
+    within `stroke_reach` across a line, every point moves by half the median line width: both
+    edges of a line then give one curve. Reason: each edge alone gives an ellipse that is half a
+    line off.
+    """
+    width, height = _frame(contours)
+    points = contours.positions
+    normals = _normals(contours)
+    signed = contours.gradient_angle is not None
+    head, following = index_points(points, width, height)
+    stroke = 0.0
+    if signed and params.stroke_reach > 0.0 and len(points):
+        gaps = _stroke.find_mates(head, following, points, normals, params.stroke_reach)
+        stroke = _stroke_width(gaps, params.stroke_share)
+    if stroke != 0.0:
+        points = points + 0.5 * stroke * normals
+        head, following = index_points(points, width, height)
+    located = signed and contours.subpixel is not None
+    return EdgePoints(points, normals, head, following, stroke, signed and stroke == 0.0, located)
+
+
+def _frame(contours: Contours) -> tuple[int, int]:
+    if contours.image_size is not None:
+        return contours.image_size
+    if len(contours.points) == 0:
+        return 1, 1
+    far = np.maximum(contours.points.max(axis=0), 0.0)
+    return int(far[0]) + 2, int(far[1]) + 2
+
+
+def _normals(contours: Contours) -> FloatArray:
+    if contours.gradient_angle is not None:
+        angle = contours.gradient_angle
+        return np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    return _arcs.chain_normals(contours.positions, contours.offsets, contours.closed)
+
+
+def _stroke_width(gaps: FloatArray, least: float) -> float:
+    dark, bright = gaps[gaps < 0.0], gaps[gaps > 0.0]
+    most = dark if len(dark) >= len(bright) else bright
+    return float(np.median(most)) if len(most) > least * len(gaps) else 0.0
+
+
+def split_arcs(edges: EdgePoints, contours: Contours, params: RefinedParams) -> SmoothArcs:
+    """Split the contours into smooth arcs and keep those that are long and bent enough.
+
+    Contours are cut at sharp turns and inflexions; the sign of the turn is that of the local
+    majority (the thesis compares all turns with the first, errata C1). What one ellipse does not
+    fit within `max_arc_rms` is split further, the longest part that one fits first: a contour may
+    leave an ellipse smoothly.
+
+    References
+    ----------
+    Thesis 5.3.3, 5.3.4 (sharp turns, inflexion points); errata C1.
+    """
+    indices, ends, vertices = _split.split_contours(
+        edges.points,
+        contours.offsets,
+        contours.closed,
+        params.flatness,
+        math.radians(params.max_turn),
+        params.min_arc,
+    )
+    indices, ends = _split.split_misfits(
+        edges.points, indices, ends, vertices, params.max_arc_rms, params.min_arc
+    )
+    table, moments, keep = _arcs.describe_arcs(
+        edges.points, edges.normals, indices, ends, params.min_sagitta
+    )
+    kept = np.flatnonzero(keep)
+    kept = kept[np.argsort(-table[kept, 18], kind="stable")]
+    indices, offsets = _arcs.gather(indices, ends, kept)
+    return SmoothArcs(indices, offsets, table[kept], moments[kept])

@@ -1,0 +1,168 @@
+"""Middle steps of the `refined` scheme: pairs of arcs, and their verification."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from geoprim_core._check import FloatArray, IntArray
+from geoprim_core.ecc import _kernels_refined_pairs as _pairs
+from geoprim_core.ecc import _kernels_refined_verify as _verify
+from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs
+from geoprim_core.ecc.refined_params import RefinedParams
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidates:
+    """Ellipses through one arc or two, best first.
+
+    Attributes
+    ----------
+    arcs : (C, 2) int64
+        Indices of the arcs; the second is -1 where one arc made the candidate alone.
+    rank : (C,) float64
+        Number of points over scatter.
+    ellipses : (C, 5) float64
+    pairs : int
+        Number of pairs looked at.
+    complete : bool
+        False where `max_pairs` left pairs out.
+    """
+
+    arcs: IntArray
+    rank: FloatArray
+    ellipses: FloatArray
+    pairs: int
+    complete: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Verified:
+    """Ellipses with the support that the whole image gives them.
+
+    Attributes
+    ----------
+    ellipses : (V, 5) float64
+    figures : (V, 6) float64
+        Evidence (log odds), coverage, covered share of the turn, rms distance, points across the
+        outline per supporting one, supported length in pixels.
+    offsets : (V + 1,) int64
+        The support of ellipse k is `support[offsets[k]:offsets[k + 1]]`.
+    support : (S,) int64
+        Indices of edge points.
+    source : (V,) int64
+        The candidate that each came from.
+    walked : int
+        Number of candidates looked at closely.
+    complete : bool
+        False where `max_candidates` left candidates out.
+    """
+
+    ellipses: FloatArray
+    figures: FloatArray
+    offsets: IntArray
+    support: IntArray
+    source: IntArray
+    walked: int
+    complete: bool
+
+    def __len__(self) -> int:
+        """Return the number of verified ellipses."""
+        return len(self.ellipses)
+
+    @property
+    def score(self) -> FloatArray:
+        """How likely each ellipse is right, in [0, 1], by its evidence."""
+        score: FloatArray = 1.0 / (1.0 + np.exp(-self.figures[:, 0]))
+        return score
+
+
+def log_odds(score: float) -> float:
+    """Return the log odds of a probability, infinite at 0 and 1."""
+    if score <= 0.0 or score >= 1.0:
+        return math.inf if score >= 1.0 else -math.inf
+    return math.log(score / (1.0 - score))
+
+
+def pair_arcs(edges: EdgePoints, arcs: SmoothArcs, params: RefinedParams) -> Candidates:
+    """Fit an ellipse to every arc and to every two arcs that may belong together.
+
+    Two arcs may when each lies in the other's search region (inside its tangents, beyond its
+    chord: the thesis' search region and associated convexity as one test) and one ellipse fits
+    both within `max_pair_rms`. Their moments are added, so a fit costs the same for long arcs.
+    The thesis votes for centres instead; pairs need no bins, and two arcs suffice to start.
+
+    References
+    ----------
+    Thesis 5.4.1 (search region), 5.4.2 (associated convexity); Halir and Flusser, Numerically
+    stable direct least squares fitting of ellipses (1998).
+    """
+    height, width = edges.head.shape
+    members, values, pairs = _pairs.pair_arcs(
+        edges.points,
+        arcs.indices,
+        arcs.offsets,
+        arcs.table,
+        arcs.moments,
+        float(width),
+        float(height),
+        params.region_slack,
+        params.max_pair_rms,
+        params.min_pair_share,
+        params.max_size * edges.diagonal,
+        edges.signed and params.same_polarity,
+        params.max_pairs,
+    )
+    order = np.argsort(-values[:, 0], kind="stable")
+    looked = min(int(pairs), params.max_pairs)
+    ellipses = np.ascontiguousarray(values[order, 1:])
+    return Candidates(members[order], values[order, 0], ellipses, looked, pairs <= params.max_pairs)
+
+
+def verify(
+    edges: EdgePoints, arcs: SmoothArcs, candidates: Candidates, params: RefinedParams
+) -> Verified:
+    """Collect the support of each candidate from all edge points, and refit to it.
+
+    The outline is walked over the image of edge points; what lies near it with its gradient along
+    the normal supports the ellipse, whichever contour it is on. Arcs of an ellipse that is sure
+    (`claim_score`) are taken from later candidates.
+
+    The thesis judges a hypothesis by the arcs that made it (5.5.2).
+    """
+    ellipses, figures, offsets, support, source, walked = _verify.verify(
+        edges.head,
+        edges.following,
+        edges.points,
+        edges.normals,
+        arcs.indices,
+        arcs.offsets,
+        arcs.table,
+        candidates.arcs,
+        candidates.ellipses,
+        _limits(edges, params),
+        edges.signed and params.same_polarity,
+        log_odds(params.claim_score),
+        log_odds(params.min_score),
+        params.max_tries,
+        params.max_candidates,
+    )
+    complete = walked < params.max_candidates
+    return Verified(ellipses, figures, offsets, support, source, int(walked), complete)
+
+
+def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:
+    """Return the limits in the order that the kernel names."""
+    return np.array(
+        [
+            params.reach,
+            params.reach_growth,
+            math.cos(math.radians(params.max_normal_angle)),
+            params.min_coverage,
+            params.min_in_frame,
+            params.max_size * edges.diagonal,
+            params.min_semi_minor,
+        ]
+    )

@@ -1,0 +1,128 @@
+"""Parameters of the `refined` ellipse detector; each names the step that reads it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from geoprim_core.params import Params, option
+
+
+@dataclass(frozen=True)
+class RefinedParams(Params):
+    """Parameters of `detect_refined`, in the order of its steps."""
+
+    stroke_reach: float = option(
+        4.0,
+        "strokes: widest line of which both edges count as one curve, 0 for none",
+        unit="px",
+        low=0.0,
+        high=20.0,
+    )
+    stroke_share: float = option(
+        0.5, "strokes: share of edge points that must lie on lines", low=0.0, high=1.0
+    )
+    flatness: float = option(
+        0.6,
+        "arcs: maximum deviation of the polygon that finds turns and inflexions",
+        unit="px",
+        low=0.1,
+        high=5.0,
+    )
+    max_turn: float = option(
+        60.0, "arcs: sharpest turn inside a smooth arc", unit="deg", low=5.0, high=180.0
+    )
+    max_arc_rms: float = option(
+        0.7,
+        "arcs: rms distance to its own ellipse above which an arc is split",
+        unit="px",
+        low=0.05,
+        high=100.0,
+    )
+    min_arc: int = option(12, "arcs: fewest points", unit="px", low=5, high=10000)
+    min_sagitta: float = option(
+        0.5, "arcs: least height over the chord", unit="px", low=0.0, high=100.0
+    )
+    same_polarity: bool = option(
+        False, "pairs: want the gradient inwards on both arcs or outwards on both"
+    )
+    region_slack: float = option(
+        2.0, "pairs: tolerance of the search region", unit="px", low=0.0, high=100.0
+    )
+    max_pair_rms: float = option(
+        1.0,
+        "pairs: largest rms distance of each arc to the common ellipse",
+        unit="px",
+        low=0.05,
+        high=10.0,
+    )
+    min_pair_share: float = option(
+        0.07, "pairs: least share of the outline that the arcs make up", low=0.01, high=1.0
+    )
+    max_pairs: int = option(
+        5_000_000, "pairs: as many are looked at, longest arcs first", low=1, high=1_000_000_000
+    )
+    max_candidates: int = option(
+        10000, "verification: as many candidates are walked, best first", low=1, high=10_000_000
+    )
+    max_tries: int = option(
+        6, "verification: failures after which two arcs are left alone", low=1, high=1_000_000
+    )
+    reach: float = option(
+        2.0,
+        "verification: largest distance of a supporting point",
+        unit="px",
+        low=0.2,
+        high=20.0,
+    )
+    reach_growth: float = option(
+        0.005,
+        "verification: growth of that distance per pixel of the semi-minor axis",
+        low=0.0,
+        high=0.1,
+    )
+    max_normal_angle: float = option(
+        15.0,
+        "verification: largest angle between the gradient and the outline's normal",
+        unit="deg",
+        low=1.0,
+        high=35.0,
+    )
+    min_coverage: float = option(
+        0.2, "verification: least supported share of the outline", low=0.05, high=1.0
+    )
+    min_in_frame: float = option(
+        0.5, "verification: least share of the outline inside the image", low=0.05, high=1.0
+    )
+    max_size: float = option(
+        0.75, "verification: largest semi-major axis in image diagonals", low=0.01, high=10.0
+    )
+    min_semi_minor: float = option(
+        3.0, "verification: least semi-minor axis", unit="px", low=0.5, high=10000.0
+    )
+    claim_score: float = option(
+        0.95,
+        "verification: score from which an ellipse takes its arcs from later candidates",
+        low=0.5,
+        high=0.999999,
+    )
+    claim_reach: float = option(
+        1.5,
+        "selection: a chosen ellipse claims edge points so near",
+        unit="px",
+        low=0.0,
+        high=10.0,
+    )
+    min_unclaimed: float = option(
+        0.6, "selection: least share of support not claimed by stronger ones", low=0.0, high=1.0
+    )
+    max_overlap: float = option(
+        0.8, "selection: largest overlap with a stronger ellipse", low=0.0, high=1.0
+    )
+    min_score: float = option(0.5, "acceptance: least score", low=0.0, high=1.0)
+    edge_spread: float = option(
+        1.0,
+        "refit: variance of the edge stage's blur (sigma^2 + 0.5), whose shrinkage is undone",
+        unit="px^2",
+        low=0.0,
+        high=25.0,
+    )

@@ -1,0 +1,1 @@
+"""Files, messages and bags: everything that enters or leaves, without ROS."""

@@ -1,0 +1,146 @@
+"""Writing MCAP bags that ROS 2 and Foxglove read: zstd chunks with CRC, whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Self
+
+from mcap.writer import CompressionType, Writer
+
+from geoprim_core.errors import FileError
+from geoprim_core.io.definitions import schema_text, serialize, type_hash, typestore
+from geoprim_core.io.record import Record, stamp_of
+
+
+class BagWriter:
+    """Writes an MCAP bag; a context manager.
+
+    The bag appears under its name when the block ends without an exception. Until then it grows
+    beside it under a temporary name, which is removed when the block fails; a bag that was there
+    before then stays as it was.
+
+    Parameters
+    ----------
+    path : path of the .mcap file
+    chunk_bytes : int
+        Messages are packed together up to this size; what is damaged later is lost by the chunk.
+
+    Raises
+    ------
+    FileError
+        The file cannot be written; also raised while writing, when the disk is full.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from geoprim_core.io.record import header
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with BagWriter(Path(folder) / "small.mcap") as bag:
+    ...         bag.write("stamps", header(5, "camera"), log_time_ns=5)
+    ...     [file.name for file in Path(folder).iterdir()]
+    ['small.mcap']
+    """
+
+    def __init__(self, path: str | os.PathLike[str], chunk_bytes: int = 1 << 20) -> None:
+        self.path = Path(path)
+        self._temporary = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
+        self._schemas: dict[tuple[str, str], int] = {}
+        self._channels: dict[tuple[str, int], int] = {}
+        self._counts: dict[int, int] = {}
+        try:
+            if self.path.is_dir():
+                raise IsADirectoryError(None, "it is a folder")
+            self._file: IO[bytes] = self._temporary.open("wb")
+        except OSError as error:
+            raise _unwritable(self.path, error) from None
+        self._writer = Writer(self._file, chunk_bytes, CompressionType.ZSTD)
+        self._writer.start(profile="ros2", library="geoprim")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Finish the bag, or remove what was written when the block failed."""
+        if kind is not None:
+            self.discard()
+        else:
+            self.close()
+
+    def write(self, topic: str, record: Record, log_time_ns: int | None = None) -> None:
+        """Write a message; its time is the stamp of its header unless one is given.
+
+        Raises
+        ------
+        InputError
+            The type or the fields of the record are not known.
+        FileError
+            The disk is full.
+        """
+        time = stamp_of(record) if log_time_ns is None else log_time_ns
+        self.write_raw(topic, record.type, serialize(record), time)
+
+    def write_raw(
+        self, topic: str, type_name: str, data: bytes, log_time_ns: int, definition: str = ""
+    ) -> None:
+        """Write a message that is serialised already.
+
+        `definition` is the schema text of a type that neither ROS 2 Jazzy nor geoprim_msgs has.
+        """
+        try:
+            channel = self._channel(topic, type_name, definition)
+            count = self._counts[channel] = self._counts.get(channel, -1) + 1
+            self._writer.add_message(channel, log_time_ns, data, log_time_ns, count)
+        except OSError as error:
+            raise _unwritable(self.path, error) from None
+
+    def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
+        """Write a named record of texts that belongs to the whole bag."""
+        try:
+            self._writer.add_metadata(name, dict(values))
+        except OSError as error:
+            raise _unwritable(self.path, error) from None
+
+    def close(self) -> None:
+        """Finish the bag and put it in place."""
+        if self._file.closed:
+            return
+        try:
+            self._writer.finish()
+            self._file.close()
+            self._temporary.replace(self.path)
+        except OSError as error:
+            self.discard()
+            raise _unwritable(self.path, error) from None
+
+    def discard(self) -> None:
+        """Stop writing and remove what was written."""
+        with contextlib.suppress(OSError):  # a full disk again; what was buffered is not wanted
+            self._file.close()
+        self._temporary.unlink(missing_ok=True)
+
+    def _channel(self, topic: str, type_name: str, definition: str) -> int:
+        known = not definition or type_name in typestore().fielddefs
+        text = schema_text(type_name) if known else definition
+        schema = self._schemas.get((type_name, text))
+        if schema is None:
+            schema = self._writer.register_schema(type_name, "ros2msg", text.encode())
+            self._schemas[type_name, text] = schema
+        channel = self._channels.get((topic, schema))
+        if channel is None:
+            metadata = {"topic_type_hash": type_hash(type_name)} if known else {}
+            channel = self._writer.register_channel(topic, "cdr", schema, metadata)
+            self._channels[topic, schema] = channel
+        return channel
+
+
+def _unwritable(path: Path, error: OSError) -> FileError:
+    return FileError(f"cannot write {path}: {error.strerror or error}")

@@ -1,0 +1,275 @@
+"""Reading MCAP bags, whole or damaged, without ROS; `BagWriter` writes them.
+
+Examples
+--------
+>>> import tempfile
+>>> from geoprim_core.io.record import header
+>>> with tempfile.TemporaryDirectory() as folder:
+...     path = Path(folder) / "small.mcap"
+...     with BagWriter(path) as bag:
+...         bag.write("stamps", header(5, "camera"), log_time_ns=5)
+...     reader = BagReader(path)
+...     [message.decoded.frame_id for message in reader.messages()]
+['camera']
+>>> reader.topics()
+(Topic(name='stamps', type='std_msgs/msg/Header', count=1),)
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any
+
+from mcap.records import Channel, Message, Schema
+from rosbags.typesys.store import Typestore
+
+from geoprim_core._check import AnyArray
+from geoprim_core.errors import BagError, InputError
+from geoprim_core.io.bag_writer import BagWriter
+from geoprim_core.io.definitions import message_texts, new_typestore, split_schema, typestore
+from geoprim_core.io.image_message import image_from_message
+from geoprim_core.io.mcap_file import Losses, McapFile
+from geoprim_core.io.record import stamp_of
+
+__all__ = ["BagImage", "BagMessage", "BagReader", "BagWriter", "Losses", "Topic", "bag_image"]
+
+IMAGE_TYPES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic of a bag: name, full message type, number of messages."""
+
+    name: str
+    type: str
+    count: int
+
+
+@dataclass(frozen=True)
+class BagMessage:
+    """A message of a bag.
+
+    Attributes
+    ----------
+    topic, type : str
+    log_time_ns : int
+    raw : bytes
+        CDR bytes as they stand in the bag.
+    definition : str
+        Schema text of the type; empty where the bag has none.
+    """
+
+    topic: str
+    type: str
+    log_time_ns: int
+    raw: bytes
+    definition: str
+    decoder: Callable[[], Any]
+
+    @cached_property
+    def decoded(self) -> Any:
+        """The message with its fields as attributes; damaged bytes raise `BagError`."""
+        return self.decoder()
+
+
+@dataclass(frozen=True, eq=False)
+class BagImage:
+    """An image of a bag, or None and the reason why it cannot be used.
+
+    Attributes
+    ----------
+    image : (H, W) or (H, W, 3) array in BGR order, or None
+    reason : str
+        Empty when there is an image.
+    stamp_ns : int
+        Stamp of the header; the log time where the header cannot be read.
+    frame_id : str
+    log_time_ns : int
+    """
+
+    image: AnyArray | None
+    reason: str
+    stamp_ns: int
+    frame_id: str
+    log_time_ns: int
+
+
+class BagReader:
+    """Reads an MCAP file or the folder of a rosbag2 recording.
+
+    A file that is cut off or damaged is read as far as it goes, chunk by chunk; `losses` tells
+    what is missing.
+
+    Parameters
+    ----------
+    path : path of an .mcap file, or of a folder with such files
+
+    Attributes
+    ----------
+    files : tuple of Path
+        The .mcap files.
+
+    Raises
+    ------
+    BagError
+        There is no such file, it is empty or it is not MCAP.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.files = tuple(_bag_files(self.path))
+        self._files = [McapFile(file) for file in self.files]
+        self._stores: dict[tuple[str, bytes], Typestore] = {}
+        self._topics = self._survey()
+
+    def topics(self) -> tuple[Topic, ...]:
+        """Return the topics, sorted by name."""
+        return self._topics
+
+    @property
+    def losses(self) -> Losses:
+        """What could not be read, as far as noticed until now."""
+        parts = [loss for file in self._files for loss in file.losses.values()]
+        length, messages = sum(p.bytes for p in parts), sum(p.messages for p in parts)
+        return Losses(len(parts), length, messages, tuple(p.reason for p in parts))
+
+    @property
+    def metadata(self) -> dict[str, dict[str, str]]:
+        """The metadata records of the bag: name -> values."""
+        return {name: values for file in self._files for name, values in file.metadata}
+
+    def topic(self, name: str) -> Topic:
+        """Return the topic of a name, with or without a leading slash.
+
+        Raises
+        ------
+        BagError
+            There is none; the text lists those that there are, with their types.
+        """
+        for topic in self._topics:
+            if topic.name.lstrip("/") == name.lstrip("/"):
+                return topic
+        present = ", ".join(f"{t.name} ({t.type}, {t.count})" for t in self._topics)
+        text = f"{self.path} has no topic {name!r}; its topics: {present or 'none at all'}"
+        raise BagError(f"{text}; {self.losses}" if self.losses else text)
+
+    def messages(self, topics: Iterable[str] | None = None) -> Iterator[BagMessage]:
+        """Yield the messages of some topics, or of all, in the order of their log times.
+
+        Raises
+        ------
+        BagError
+            A topic is missing.
+        """
+        names = None if topics is None else {self.topic(name).name for name in topics}
+        return self._messages(names)
+
+    def images(self, topic: str = "image") -> Iterator[BagImage]:
+        """Yield the images of a topic; one that cannot be used comes as None with the reason.
+
+        Raises
+        ------
+        BagError
+            The topic is missing or does not hold images.
+        """
+        found = self.topic(topic)
+        if found.type not in IMAGE_TYPES:
+            expected = " or ".join(IMAGE_TYPES)
+            raise BagError(f"topic {found.name} holds {found.type}, expected {expected}")
+        return (bag_image(message) for message in self._messages({found.name}))
+
+    def _messages(self, names: set[str] | None) -> Iterator[BagMessage]:
+        for file in self._files:
+            chosen = {c for c, channel in file.channels.items() if names and channel.topic in names}
+            for message in file.messages(None if names is None else chosen):
+                yield self._bag_message(file, message)
+
+    def _bag_message(self, file: McapFile, message: Message) -> BagMessage:
+        channel = file.channels[message.channel_id]
+        schema = file.schemas.get(channel.schema_id)
+        name = "" if schema is None else schema.name
+        text = schema.data.decode(errors="replace") if schema is not None else ""
+        return BagMessage(
+            channel.topic,
+            name,
+            message.log_time,
+            message.data,
+            text,
+            lambda: self._decode(channel, schema, message),
+        )
+
+    def _decode(self, channel: Channel, schema: Schema | None, message: Message) -> Any:
+        where = f"topic {channel.topic}, message at {message.log_time} ns"
+        if schema is None or channel.message_encoding != "cdr":
+            raise BagError(f"{where}: expected a CDR message of a known type")
+        try:
+            return self._store(schema).deserialize_cdr(message.data, schema.name)
+        except Exception as error:  # whatever the decoder makes of damaged bytes
+            text = f"{type(error).__name__} {error}".strip()
+            raise BagError(f"{where}: cannot be decoded as {schema.name} ({text})") from None
+
+    def _store(self, schema: Schema) -> Typestore:
+        """Return types that define the one of a schema as the bag does."""
+        if schema.encoding != "ros2msg" or schema.name in _standard().fielddefs:
+            return typestore()
+        key = (schema.name, schema.data)
+        if key not in self._stores:
+            parts = split_schema(schema.name, schema.data.decode(errors="replace"))
+            own = {name: text for name, text in parts.items() if name not in _standard().fielddefs}
+            ours = own.items() <= message_texts().items()
+            self._stores[key] = typestore() if ours else new_typestore(own)
+        return self._stores[key]
+
+    def _survey(self) -> tuple[Topic, ...]:
+        """Return the topics; counted by reading where the file does not tell."""
+        counts: dict[tuple[str, str], int] = {}
+        for file in self._files:
+            if file.statistics is not None and not file.losses:
+                tallies = dict(file.statistics.channel_message_counts)
+            else:
+                tallies = {}
+                for message in file.messages():
+                    tallies[message.channel_id] = tallies.get(message.channel_id, 0) + 1
+            for number, channel in file.channels.items():
+                schema = file.schemas.get(channel.schema_id)
+                key = channel.topic, "" if schema is None else schema.name
+                counts[key] = counts.get(key, 0) + tallies.get(number, 0)
+        return tuple(Topic(name, kind, n) for (name, kind), n in sorted(counts.items()))
+
+
+@cache
+def _standard() -> Typestore:
+    """Return the types of ROS 2 Jazzy alone."""
+    return new_typestore({})
+
+
+def bag_image(message: BagMessage) -> BagImage:
+    """Return the image of a message of a bag, or None in it and the reason."""
+    stamp, frame = message.log_time_ns, ""
+    try:
+        decoded = message.decoded
+        stamp, frame = stamp_of(decoded), str(decoded.header.frame_id)
+        image = image_from_message(decoded)
+    except (BagError, InputError) as error:
+        return BagImage(None, str(error), stamp, frame, message.log_time_ns)
+    return BagImage(image, "", stamp, frame, message.log_time_ns)
+
+
+def _bag_files(path: Path) -> list[Path]:
+    if not path.is_dir():
+        return [path]
+    files = sorted(path.glob("*.mcap"), key=_natural)
+    if not files:
+        names = ", ".join(sorted(p.name for p in path.iterdir())[:8]) or "nothing"
+        raise BagError(f"folder {path} holds no .mcap file; it holds {names}")
+    return files
+
+
+def _natural(path: Path) -> list[str]:
+    """Return a sorting key by which bag_10 comes after bag_9."""
+    return [part.zfill(12) for part in re.split(r"(\d+)", path.name)]

@@ -1,0 +1,151 @@
+"""Why an ellipse was found or lost: the trace of a detection as pictures and a table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from geoprim_core import _check
+from geoprim_core._check import AnyArray, FloatArray, IntArray
+from geoprim_core.ecc import DetectionTrace, DetectorParams, trace_detection
+from geoprim_core.ecc.refined import RefinedTrace
+from geoprim_core.ecc.schemes import SchemeTrace
+from geoprim_core.io.drawing import draw_overlay
+from geoprim_core.types import EllipseDetections, Ellipses
+
+_DIM = 0.35  # of the image's brightness, under coloured arcs
+# Colours that neighbours in an arbitrary order are told apart by: blue, green, red.
+_COLOURS = np.array(
+    [(80, 80, 255), (80, 255, 80), (255, 160, 60), (60, 220, 255), (255, 90, 255), (220, 255, 120)],
+    np.uint8,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """An elliptic hypothesis that was judged: its measures, and why it is not reported.
+
+    `reason` is empty for those that are.
+    """
+
+    x: float
+    y: float
+    semi_major: float
+    semi_minor: float
+    angle: float
+    score: float
+    coverage: float
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Explanation:
+    """The steps of a detection.
+
+    Attributes
+    ----------
+    pictures : dict
+        Name of the step -> (H, W, 3) uint8 picture, in the order of the steps.
+    hypotheses : tuple of Hypothesis
+        All that were judged, best first.
+    detections : EllipseDetections
+    """
+
+    pictures: dict[str, AnyArray]
+    hypotheses: tuple[Hypothesis, ...]
+    detections: EllipseDetections
+
+
+def explain_detection(image: AnyArray, params: DetectorParams | None = None) -> Explanation:
+    """Detect ellipses and show every step.
+
+    Parameters
+    ----------
+    image : (H, W), (H, W, 3) or (H, W, 4) uint8, uint16, float32 or float64
+    params : DetectorParams, optional
+
+    Returns
+    -------
+    Explanation
+        Pictures `edges`, `contours`, `arcs`, `hypotheses` and `detections`, as in Figures 5.5-3
+        and 5.5-4 of the thesis.
+
+    Raises
+    ------
+    ImageError
+        As `detect_ellipses`.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[:60, :80]
+    >>> disc = np.clip(20.5 - np.hypot(x - 40, y - 30), 0, 1)
+    >>> explained = explain_detection((255 * disc).astype(np.uint8))
+    >>> list(explained.pictures), [h.reason for h in explained.hypotheses]
+    (['edges', 'contours', 'arcs', 'hypotheses', 'detections'], [''])
+    """
+    image = _check.image(image)
+    trace = trace_detection(image, params)
+    hypotheses = tuple(sorted(_hypotheses(trace), key=lambda h: (bool(h.reason), -h.score)))
+    edges = np.where(trace.edges.edges[:, :, None], np.uint8(255), np.uint8(0))
+    positions, labels = _arc_points(trace)
+    pictures = {
+        "edges": np.repeat(edges, 3, axis=2),
+        "contours": _coloured(image, trace.contours.points, _labels(trace.contours.offsets)),
+        "arcs": _coloured(image, positions, labels),
+        "hypotheses": draw_overlay(image, ellipses=_as_detections(hypotheses)),
+        "detections": draw_overlay(image, ellipses=trace.detections),
+    }
+    return Explanation(pictures, hypotheses, trace.detections)
+
+
+def _hypotheses(trace: DetectionTrace) -> Iterator[Hypothesis]:
+    if isinstance(trace.ecc, SchemeTrace):
+        return _scheme_hypotheses(trace.ecc)
+    return _refined_hypotheses(trace.ecc)
+
+
+def _refined_hypotheses(trace: RefinedTrace) -> Iterator[Hypothesis]:
+    figures = trace.verified.figures
+    score = 1.0 / (1.0 + np.exp(-np.clip(figures[:, 0], -500.0, 500.0)))
+    for k, (x, y, major, minor, angle) in enumerate(trace.verified.ellipses.tolist()):
+        figure = float(score[k]), float(figures[k, 1])
+        yield Hypothesis(x, y, major, minor, angle, *figure, trace.selection.reasons[k])
+
+
+def _scheme_hypotheses(trace: SchemeTrace) -> Iterator[Hypothesis]:
+    net, coverage = trace.saliency.mean.tolist(), trace.saliency.circumference.tolist()
+    for k, (x, y, major, minor, angle) in enumerate(trace.distinct.ellipses.tolist()):
+        reason = "" if trace.selected[k] else "not selected: less salient than the others (5-16)"
+        yield Hypothesis(x, y, major, minor, angle, net[k], coverage[k], reason)
+
+
+def _arc_points(trace: DetectionTrace) -> tuple[FloatArray, IntArray]:
+    """Return the points of all smooth arcs and the arc of each."""
+    if isinstance(trace.ecc, SchemeTrace):
+        return trace.ecc.arcs.points, _labels(trace.ecc.arcs.offsets)
+    arcs = trace.ecc.arcs
+    return trace.ecc.edges.points[arcs.indices], _labels(arcs.offsets)
+
+
+def _labels(offsets: IntArray) -> IntArray:
+    return np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+
+
+def _coloured(image: AnyArray, points: FloatArray, labels: IntArray) -> AnyArray:
+    """Return the dimmed image with every curve in a colour of its own."""
+    picture = (draw_overlay(image) * _DIM).astype(np.uint8)
+    height, width = picture.shape[:2]
+    x, y = np.rint(points).astype(np.int64).T
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    picture[y[inside], x[inside]] = _COLOURS[labels[inside] % len(_COLOURS)]
+    return picture
+
+
+def _as_detections(hypotheses: tuple[Hypothesis, ...]) -> EllipseDetections:
+    rows = [(h.x, h.y, h.semi_major, h.semi_minor, h.angle) for h in hypotheses]
+    score = np.array([h.score for h in hypotheses])
+    ones = np.ones(len(rows))
+    unknown = np.full((len(rows), 5, 5), np.nan)
+    return EllipseDetections(Ellipses.from_array(rows), score, ones, ones, ones, unknown)

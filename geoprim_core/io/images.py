@@ -1,0 +1,98 @@
+"""Image files in and out."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from geoprim_core import _check
+from geoprim_core._check import AnyArray
+from geoprim_core.errors import FileError, InputError
+
+SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp")
+"""The names, in small letters, by which `list_images` tells images from other files."""
+
+
+def read_image(path: str | os.PathLike[str]) -> AnyArray:
+    """Return the image of a file as its pixels stand there.
+
+    Parameters
+    ----------
+    path : path of a PNG, JPEG, TIFF, BMP, PGM, ... file
+
+    Returns
+    -------
+    (H, W), (H, W, 3) or (H, W, 4) array
+        Gray, BGR or BGRA; of the depth that the file has.
+
+    Raises
+    ------
+    FileError
+        The file is missing, cannot be read or is not an image.
+    """
+    try:
+        data = np.frombuffer(Path(path).read_bytes(), np.uint8)
+    except OSError as error:
+        raise FileError(f"cannot read {path}: {error.strerror or error}") from None
+    if not len(data):
+        raise FileError(f"{path} is empty: 0 bytes")
+    try:
+        # Decoding bytes works with any name; OpenCV's own reading does not everywhere.
+        image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise FileError(f"{path} cannot be decoded: {error.err}") from None
+    if image is None:
+        raise FileError(f"{path} is not an image that can be decoded")
+    try:
+        return _check.image(image)
+    except InputError as error:
+        raise FileError(f"{path} holds no image that can be used: {error}") from None
+
+
+def list_images(path: str | os.PathLike[str]) -> list[Path]:
+    """Return the image files of a folder, by name, or the one file that the path names.
+
+    Raises
+    ------
+    FileError
+        There is no such file or folder.
+    """
+    place = Path(path)
+    if not place.exists():
+        raise FileError(f"cannot read {place}: no such file or folder")
+    if not place.is_dir():
+        return [place]
+    return sorted(p for p in place.iterdir() if p.suffix.lower() in SUFFIXES)
+
+
+def write_image(path: str | os.PathLike[str], image: AnyArray) -> None:
+    """Write an image file in the format that its suffix names, with the folders above it.
+
+    Parameters
+    ----------
+    path : path of the file
+    image : (H, W), (H, W, 3) or (H, W, 4) array
+        Gray, BGR or BGRA.
+
+    Raises
+    ------
+    FileError
+        The format is not known or cannot hold the image, or the file cannot be written.
+    """
+    target = Path(path)
+    array = _check.image(image)
+    try:
+        done, data = cv2.imencode(target.suffix or "none", array)
+    except cv2.error:
+        done = False
+    if not done:
+        known = "a name that ends in .png, .jpg, .tif or .bmp and an image that fits"
+        raise FileError(f"cannot write {target}: expected {known}, got {_check.describe(array)}")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(data.tobytes())
+    except OSError as error:
+        raise FileError(f"cannot write {target}: {error.strerror or error}") from None

@@ -1,0 +1,222 @@
+"""Kernels of the polygon room: error bounds, splitting of a curve, farthest pair of points.
+
+The bound rules are numbers here: 0 thesis, 1 exact, 2 released.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from geoprim_core._check import BoolArray, FloatArray, IntArray
+from geoprim_core._jit import kernel
+
+
+@kernel
+def _series(size: float, scale: float) -> float:
+    return 1.0 - size / scale + (size / scale) ** 2
+
+
+@kernel
+def _released(length: float) -> float:
+    """Return the released bound: the largest s tan(dphi) over all slopes.
+
+    With k = sqrt(2) / s and z the sine of the slope's angle from a diagonal, s dphi is
+    sqrt(2 (1 - z^2)) (1 + k z + (k z)^2); Newton steps find the z where that is largest.
+    """
+    k = math.sqrt(2.0) / length
+    if k >= 1.0:
+        return -1.0
+    if length < 2.0:  # no two pixels are that far apart; the formula has a pole here
+        length, k = 2.0, 0.5 * math.sqrt(2.0)
+    z = min(k, 0.5)
+    for _ in range(8):
+        value = k + z * (2.0 * k * k - 1.0 - z * k * (2.0 + 3.0 * k * z))
+        slope = 2.0 * k * k - 1.0 - z * k * (4.0 + 9.0 * k * z)
+        step = value / slope
+        z -= step
+        if abs(step) < 1e-9:
+            break
+    largest = math.sqrt(2.0 * (1.0 - z * z)) * (1.0 + k * z + (k * z) ** 2)
+    return length * math.tan(largest / length)
+
+
+@kernel
+def deviation_bound_of(rule: int, dx: float, dy: float) -> float:
+    """Return d_max in pixels of a segment (dx, dy)."""
+    length = math.hypot(dx, dy)
+    if length == 0.0:
+        return 0.0
+    if rule == 2:
+        return _released(length)
+    return length * slope_bound_of(rule, dx, dy)
+
+
+@kernel
+def slope_bound_of(rule: int, dx: float, dy: float) -> float:
+    """Return dphi_max in radians of a segment (dx, dy)."""
+    length = math.hypot(dx, dy)
+    if length == 0.0:
+        return 0.5 * math.pi
+    if rule == 2:
+        return math.atan(_released(length) / length)
+    total = (abs(dx) + abs(dy)) / length
+    gap = abs(abs(dx) - abs(dy)) / length
+    if rule == 0:
+        return math.atan(total / length * _series(total, length))
+    if length <= total:
+        return 0.5 * math.pi
+    return max(math.atan(total / (length - gap)), math.atan(gap / (length - total)))
+
+
+@kernel
+def _farthest_inside(x: FloatArray, y: FloatArray, low: int, high: int) -> tuple[int, float]:
+    """Return the index and the distance of the point farthest from the line low-high."""
+    dx, dy = x[high] - x[low], y[high] - y[low]
+    best, place = -1.0, low
+    if dx == 0.0 and dy == 0.0:
+        for i in range(low + 1, high):
+            value = (x[i] - x[low]) ** 2 + (y[i] - y[low]) ** 2
+            if value > best:
+                best, place = value, i
+        return place, math.sqrt(max(best, 0.0))
+    for i in range(low + 1, high):
+        value = abs(dx * (y[i] - y[low]) - dy * (x[i] - x[low]))
+        if value > best:
+            best, place = value, i
+    return place, best / math.sqrt(dx * dx + dy * dy)
+
+
+@kernel
+def _split(
+    x: FloatArray, y: FloatArray, rule: int, kept: BoolArray, stack: IntArray, low: int, last: int
+) -> None:
+    """Mark the vertices strictly between low and last (Ramer-Douglas-Peucker, own stack)."""
+    stack[0] = last
+    size = 1
+    while size > 0:
+        high = stack[size - 1]
+        if high - low > 1:
+            place, deviation = _farthest_inside(x, y, low, high)
+            if deviation > deviation_bound_of(rule, x[high] - x[low], y[high] - y[low]):
+                kept[place] = True
+                stack[size] = place
+                size += 1
+                continue
+        low = high
+        size -= 1
+
+
+@kernel
+def _hull(points: FloatArray) -> IntArray:
+    """Return the indices of the convex hull's corners, counter-clockwise, first ones of ties.
+
+    The points are sorted along a direction of irrational slope, where pixels never tie.
+    """
+    along = points[:, 0] + 0.6180339887498949 * points[:, 1]
+    order = np.argsort(along, kind="mergesort")
+    count = len(order)
+    hull = np.empty(2 * count + 1, np.int64)
+    size = 0
+    for half in range(2):
+        base = size
+        for step in range(count):
+            i = order[step] if half == 0 else order[count - 1 - step]
+            px, py = points[i, 0], points[i, 1]
+            if size > base and px == points[hull[size - 1], 0] and py == points[hull[size - 1], 1]:
+                hull[size - 1] = min(hull[size - 1], i)
+                continue
+            while size - base >= 2:
+                p, q = hull[size - 2], hull[size - 1]
+                ax, ay = points[q, 0] - points[p, 0], points[q, 1] - points[p, 1]
+                if ax * (py - points[p, 1]) - ay * (px - points[p, 0]) > 0.0:
+                    break
+                size -= 1
+            hull[size] = i
+            size += 1
+        size -= 1  # the last corner of one half is the first of the other
+    return hull[: max(size, 1)].copy()
+
+
+@kernel
+def _better(points: FloatArray, i: int, j: int, pair: IntArray, best: float) -> float:
+    """Take the pair (i, j) when it is farther apart, or as far and of lower indices."""
+    low, high = min(i, j), max(i, j)
+    far = (points[i, 0] - points[j, 0]) ** 2 + (points[i, 1] - points[j, 1]) ** 2
+    earlier = low < pair[0] or (low == pair[0] and high < pair[1])
+    if far > best or (far == best and earlier):
+        pair[0], pair[1] = low, high
+        return far
+    return best
+
+
+@kernel
+def farthest_pair_of(points: FloatArray) -> tuple[int, int]:
+    """Return the indices i <= j of the two points farthest apart, by rotating calipers."""
+    hull = _hull(points)
+    count = len(hull)
+    pair = np.array([hull[0], hull[0]])
+    best = 0.0
+    if count <= 3:
+        for i in range(count):
+            for j in range(i + 1, count):
+                best = _better(points, hull[i], hull[j], pair, best)
+        return pair[0], pair[1]
+    j = 1
+    for i in range(count):
+        a, b = hull[i], hull[(i + 1) % count]
+        ex, ey = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
+        for _ in range(count):
+            p, q = hull[j], hull[(j + 1) % count]
+            rise = ex * (points[q, 1] - points[p, 1]) - ey * (points[q, 0] - points[p, 0])
+            if rise < 0.0:
+                break
+            if rise == 0.0:  # parallel sides: all four pairs are antipodal
+                best = _better(points, a, q, pair, best)
+                best = _better(points, b, q, pair, best)
+                best = _better(points, a, p, pair, best)
+                best = _better(points, b, p, pair, best)
+                break
+            j = (j + 1) % count
+        best = _better(points, a, hull[j], pair, best)
+        best = _better(points, b, hull[j], pair, best)
+    return pair[0], pair[1]
+
+
+@kernel
+def rdp_mod_of(
+    points: FloatArray, offsets: IntArray, closed: BoolArray, rule: int
+) -> tuple[IntArray, IntArray]:
+    """Return the vertex indices of all contours and their offsets."""
+    counts = np.diff(offsets)
+    longest = counts.max() + 1 if len(counts) else 1
+    x, y = np.empty(longest), np.empty(longest)
+    kept, stack = np.empty(longest, np.bool_), np.empty(longest, np.int64)
+    indices = np.empty(len(points), np.int64)
+    polygon_offsets = np.zeros(len(offsets), np.int64)
+    total = 0
+    for k in range(len(counts)):
+        count = counts[k]
+        contour = points[offsets[k] : offsets[k + 1]]
+        first = 0
+        kept[: count + 1] = False
+        if count > 0 and closed[k]:
+            first, second = farthest_pair_of(contour)
+            for i in range(count + 1):
+                source = first + i if first + i < count else first + i - count
+                x[i], y[i] = contour[source, 0], contour[source, 1]
+            kept[0] = kept[second - first] = True
+            if second > first:
+                _split(x, y, rule, kept, stack, 0, second - first)
+            _split(x, y, rule, kept, stack, second - first, count)
+        elif count > 0:
+            x[:count], y[:count] = contour[:, 0], contour[:, 1]
+            kept[0] = kept[count - 1] = True
+            _split(x, y, rule, kept, stack, 0, count - 1)
+        for i in range(count):
+            if kept[i - first if i >= first else i - first + count]:
+                indices[total] = i
+                total += 1
+        polygon_offsets[k + 1] = total
+    return indices[:total].copy(), polygon_offsets

@@ -1,0 +1,35 @@
+"""Rendered pictures with exact ground truth, drawn without any image library.
+
+Every function is deterministic: the same arguments, seed included, give the same bytes.
+"""
+
+from geoprim_core.synthetic.scene import Scene
+from geoprim_core.synthetic.shapes import (
+    disc_image,
+    ellipse_image,
+    render_ellipses,
+    render_parity,
+    visible_shares,
+)
+from geoprim_core.synthetic.sorting import sorting_sequence
+from geoprim_core.synthetic.sorting_lines import SORTING_LINES, SortingLine, SortingObject
+from geoprim_core.synthetic.thesis import ALPHAS, thesis_image, thesis_set
+from geoprim_core.synthetic.variants import degraded, rotated
+
+__all__ = [
+    "ALPHAS",
+    "SORTING_LINES",
+    "Scene",
+    "SortingLine",
+    "SortingObject",
+    "degraded",
+    "disc_image",
+    "ellipse_image",
+    "render_ellipses",
+    "render_parity",
+    "rotated",
+    "sorting_sequence",
+    "thesis_image",
+    "thesis_set",
+    "visible_shares",
+]

@@ -1,0 +1,41 @@
+"""Node `edges_node`: images in, edge contours out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from geoprim_msgs.msg import Contours
+from sensor_msgs.msg import Image
+
+from geoprim_core.ecc import DetectorParams
+from geoprim_core.io.image_message import image_from_message
+from geoprim_ros.chain import find_contours, warm_up_scene
+from geoprim_ros.conversions import core_message
+from geoprim_ros.spin import run
+from geoprim_ros.stage_node import StageNode, sensor_qos
+
+
+class EdgesNode(StageNode):
+    """Turns every image into its edge contours; the parameters are those of `edges`."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("edges_node", **options)
+        self._params = self.live_params(DetectorParams(), wanted=lambda n: n.startswith("edges."))
+        self.warm_up(lambda: find_contours(warm_up_scene(), self._params.value))
+        self._contours = self.advertise(Contours, "contours")
+        self.listen(Image, "image", self._on_image, sensor_qos())
+
+    def _on_image(self, message: Any) -> None:
+        contours = find_contours(image_from_message(message), self._params.value)
+        self._contours.publish(core_message(contours, message))
+        self.statistics.frames_out += 1
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node until a signal ends it."""
+    return run(lambda: [EdgesNode()], args)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

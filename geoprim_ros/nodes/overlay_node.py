@@ -1,0 +1,74 @@
+"""Node `overlay_node`: images and the results on them in, pictures with the results drawn out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from geoprim_msgs.msg import Detections, EllipseDetections
+from sensor_msgs.msg import Image
+
+from geoprim_core.io.drawing import draw_overlay
+from geoprim_core.io.image_message import image_from_message
+from geoprim_core.io.wire import from_wire
+from geoprim_core.params import Params, option
+from geoprim_ros.conversions import image_to_message
+from geoprim_ros.pairing import StampPairs
+from geoprim_ros.spin import run
+from geoprim_ros.stage_node import StageNode, result_qos, sensor_qos
+
+# Results come later than their image, so the image waits for them.
+_IMAGES_KEPT = 20
+
+
+@dataclass(frozen=True)
+class OverlayParams(Params):
+    """What the overlay shows."""
+
+    show_ellipses: bool = option(True, "draw all ellipses")
+    show_detections: bool = option(True, "draw the labelled objects")
+    show_labels: bool = option(True, "write scores and labels")
+
+
+class OverlayNode(StageNode):
+    """Draws results on the image with the same stamp, as long as somebody looks at it."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("overlay_node", **options)
+        self._params = self.live_params(OverlayParams())
+        self._pairs = StampPairs(("image", "ellipses", "detections"), _IMAGES_KEPT)
+        self._overlay = self.advertise(Image, "overlay")
+        self.listen(Image, "image", lambda m: self._on("image", m), sensor_qos(_IMAGES_KEPT))
+        for kind, topic in ((EllipseDetections, "ellipses"), (Detections, "detections")):
+            self.listen(kind, topic, self._receiver(topic), result_qos(), frame=False)
+
+    def _receiver(self, topic: str) -> Any:
+        return lambda message: self._on(topic, message)
+
+    def _on(self, topic: str, message: Any) -> None:
+        if not self._overlay.get_subscription_count():
+            return
+        pair = self._pairs.add(topic, message)
+        self.statistics.unpaired = self._pairs.unpaired
+        if pair is not None:
+            self._draw(**pair)
+
+    def _draw(self, image: Any, ellipses: Any, detections: Any) -> None:
+        shown = self._params.value
+        objects: Any = from_wire(detections) if shown.show_detections else None
+        found: Any = from_wire(ellipses) if shown.show_ellipses else None
+        picture = draw_overlay(
+            image_from_message(image), ellipses=found, detections=objects, labels=shown.show_labels
+        )
+        self._overlay.publish(image_to_message(picture, image))
+        self.statistics.frames_out += 1
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node until a signal ends it."""
+    return run(lambda: [OverlayNode()], args)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,88 @@
+"""What a stage counts and times, and how it is told on /diagnostics."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+
+_WINDOW = 512
+
+
+@dataclass
+class StageStatistics:
+    """Counts of frames and the times of the last ones.
+
+    Attributes
+    ----------
+    frames_in, frames_out : int
+        Frames that came and results that went.
+    dropped : int
+        Frames that were sent but replaced by newer ones before the stage got to them.
+    bad : int
+        Frames that could not be used.
+    unpaired : int
+        Messages whose counterpart with the same stamp never came.
+    last_reason : str
+        Why the last bad frame was bad.
+    warm_up_s : float
+        How long the kernels took before the first subscription, in seconds.
+    """
+
+    frames_in: int = 0
+    frames_out: int = 0
+    dropped: int = 0
+    bad: int = 0
+    unpaired: int = 0
+    last_reason: str = ""
+    warm_up_s: float = 0.0
+    seconds: deque[float] = field(default_factory=lambda: deque(maxlen=_WINDOW))
+    latencies: deque[float] = field(default_factory=lambda: deque(maxlen=_WINDOW))
+    _sequence: dict[str, int] = field(default_factory=dict)
+
+    def received(self, topic: str, sequence: int | None) -> None:
+        """Count a message and those its publisher numbered between it and the one before."""
+        self.frames_in += 1
+        if sequence is None:
+            return
+        before = self._sequence.get(topic)
+        # A number that does not rise is that of another publisher.
+        if before is not None and sequence > before:
+            self.dropped += sequence - before - 1
+        self._sequence[topic] = sequence
+
+    def percentiles_ms(self, seconds: deque[float]) -> tuple[float, float]:
+        """Return the median and the 95th percentile in milliseconds; NaN without any."""
+        if not seconds:
+            return float("nan"), float("nan")
+        p50, p95 = np.percentile(np.fromiter(seconds, float), [50, 95]) * 1e3
+        return float(p50), float(p95)
+
+    def status(self, name: str, revision: int, bad_before: int) -> Any:
+        """Return the diagnostic_msgs/msg/DiagnosticStatus; a warning when frames turned bad."""
+        warn = self.bad > bad_before
+        status = DiagnosticStatus(name=name, hardware_id="none")
+        status.level = DiagnosticStatus.WARN if warn else DiagnosticStatus.OK
+        status.message = self.last_reason if warn else "ok"
+        status.values = [KeyValue(key=k, value=v) for k, v in self._values(revision).items()]
+        return status
+
+    def _values(self, revision: int) -> dict[str, str]:
+        stage, latency = self.percentiles_ms(self.seconds), self.percentiles_ms(self.latencies)
+        return {
+            "frames in": str(self.frames_in),
+            "frames out": str(self.frames_out),
+            "dropped": str(self.dropped),
+            "bad": str(self.bad),
+            "unpaired": str(self.unpaired),
+            "last reason": self.last_reason,
+            "stage time p50 [ms]": f"{stage[0]:.2f}",
+            "stage time p95 [ms]": f"{stage[1]:.2f}",
+            "hop latency p50 [ms]": f"{latency[0]:.2f}",
+            "hop latency p95 [ms]": f"{latency[1]:.2f}",
+            "kernel warm-up [s]": f"{self.warm_up_s:.2f}",
+            "parameter revision": str(revision),
+        }

@@ -1,0 +1,38 @@
+"""The topics of the nodes; all names are relative and can be remapped."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Topic(NamedTuple):
+    """A topic: its name, type, which nodes publish it and what it holds."""
+
+    name: str
+    type: str
+    published_by: str
+    text: str
+
+
+TOPICS = (
+    Topic("image", "sensor_msgs/Image", "camera or `bag_player`", "the input"),
+    Topic("camera_info", "sensor_msgs/CameraInfo", "camera or `bag_player`", "for sizes in metres"),
+    Topic("contours", "geoprim_msgs/Contours", "`edges_node`, `detector_node`", "edge contours"),
+    Topic(
+        "polygons", "geoprim_msgs/Polygons", "`polygons_node`, `detector_node`", "dominant points"
+    ),
+    Topic(
+        "ellipses",
+        "geoprim_msgs/EllipseDetections",
+        "`ellipses_node`, `detector_node`",
+        "ellipses with score and covariance, best first",
+    ),
+    Topic(
+        "detections",
+        "geoprim_msgs/Detections",
+        "`ellipses_node`, `detector_node`",
+        "labelled objects",
+    ),
+    Topic("overlay", "sensor_msgs/Image", "`overlay_node`", "the image with the results drawn"),
+    Topic("/diagnostics", "diagnostic_msgs/DiagnosticArray", "every stage", "counts and times"),
+)

@@ -1,0 +1,109 @@
+"""The command line: what it prints, what it refuses, and that a refusal is one line."""
+
+import json
+
+import numpy as np
+import pytest
+
+from geoprim_core.cli.main import COMMANDS, main
+from geoprim_core.ecc import DetectorParams
+from geoprim_core.io.images import read_image, write_image
+from geoprim_core.synthetic import disc_image
+
+
+@pytest.fixture
+def disc(tmp_path):
+    path = tmp_path / "disc.png"
+    write_image(path, disc_image(160, 120, centre=(70.25, 60.5), radius=35.5))
+    return path
+
+
+def refused(capsys, *words):
+    """Run a command that has to end with code 2 and one line; return the line."""
+    try:
+        code = main([str(word) for word in words])
+    except SystemExit as end:  # argparse
+        code = end.code
+    captured = capsys.readouterr()
+    assert code == 2, captured
+    assert "Traceback" not in captured.err
+    return captured.err.strip().splitlines()[-1]
+
+
+def test_detect_prints_the_disc_and_draws_it(disc, tmp_path, capsys):
+    overlay = tmp_path / "pictures" / "found.png"
+    assert main(["detect", str(disc), "--json", "--overlay", str(overlay)]) == 0
+    found = json.loads(capsys.readouterr().out)
+    (ellipse,) = found["ellipses"]
+    assert (found["width"], found["height"]) == (160, 120)
+    assert abs(ellipse["x"] - 70.25) < 0.1
+    assert abs(ellipse["y"] - 60.5) < 0.1
+    assert abs(ellipse["semi_major"] - 35.5) < 0.2
+    drawn, plain = read_image(overlay), read_image(disc)
+    changed = (drawn != plain[..., None]).any(axis=2)
+    y, x = np.nonzero(changed)
+    radius = np.hypot(x - 70.25, y - 60.5)
+    assert np.mean(np.abs(radius - 35.5) < 3) > 0.5, "the outline lies on the rim"
+
+
+def test_detect_prints_a_table(disc, capsys):
+    assert main(["detect", str(disc)]) == 0
+    first, heading, row = capsys.readouterr().out.splitlines()
+    assert first.endswith("disc.png: 1 ellipse")
+    assert heading.split() == ["x", "y", "semi_major", "semi_minor", "angle_deg", "score"]
+    assert [float(v) for v in row.split()[:2]] == pytest.approx([70.25, 60.5], abs=0.1)
+
+
+def test_every_scheme_finds_the_disc(disc, capsys):
+    for scheme in ("1", "2", "3", "refined"):
+        assert main(["detect", str(disc), "--json", "--scheme", scheme]) == 0
+        assert len(json.loads(capsys.readouterr().out)["ellipses"]) == 1, scheme
+
+
+def test_a_bad_image_does_not_hide_the_good_one(disc, tmp_path, capsys):
+    broken = tmp_path / "broken.png"
+    broken.write_bytes(b"no picture")
+    assert main(["detect", str(broken), str(disc)]) == 1
+    captured = capsys.readouterr()
+    assert "disc.png: 1 ellipse" in captured.out
+    assert "broken.png" in captured.err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["detect", "DISC", "--edges.sigma", "-1"], "--edges.sigma: expected a number from"),
+        (["detect", "DISC", "--edges.sigma", "wide"], "--edges.sigma: expected a number from"),
+        (["detect", "DISC", "--edges.linking", "x"], "--edges.linking: expected one of"),
+        (["detect", "DISC", "--scheme", "4"], "invalid choice"),
+        (["process", "none.mcap", "--output", "o.mcap"], "none.mcap"),
+        (["evaluate", "nowhere"], "nowhere: no such file or folder"),
+        (["bench", "nowhere"], "nowhere"),
+        (["dance"], "invalid choice"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else None,
+)
+def test_a_refusal_says_what_was_expected(words, said, disc, capsys):
+    assert said in refused(capsys, *[disc if word == "DISC" else word for word in words])
+
+
+def test_an_overlay_that_cannot_be_written(disc, capsys):
+    code = main(["detect", str(disc), "--overlay", "/dev/null/found.png"])
+    assert code == 2
+    assert "/dev/null" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help(command, capsys):
+    with pytest.raises(SystemExit) as end:
+        main([command, "--help"])
+    assert end.value.code == 0
+    assert "usage: geoprim " + command in capsys.readouterr().out
+
+
+def test_every_parameter_is_an_option_with_its_range(capsys):
+    with pytest.raises(SystemExit):
+        main(["detect", "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    for option in DetectorParams.options():
+        assert f"--{option.name}" in text

@@ -1,0 +1,73 @@
+"""The set-up script says in one sentence what a machine lacks."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def run(words, **changes):
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("_ROS_WHEELS")}
+    environment.update(changes)
+    return subprocess.run(words, capture_output=True, text=True, env=environment, timeout=60)
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """A copy of what the set-up script looks at, without an environment."""
+    for name in ("run", "tools/workspace.py", "tools/requirements.txt", "tools/constraints.txt"):
+        target = tmp_path / name
+        target.parent.mkdir(exist_ok=True)
+        target.write_bytes((ROOT / name).read_bytes())
+        target.chmod(0o755)
+    return tmp_path
+
+
+def one_sentence(answer, *words):
+    assert answer.returncode == 2, answer.stderr
+    lines = [line for line in answer.stderr.splitlines() if line.strip()]
+    assert len(lines) == 1, answer.stderr
+    for word in words:
+        assert word in lines[0]
+
+
+def test_a_missing_compiler(tree):
+    answer = run([sys.executable, tree / "tools" / "workspace.py", "setup"], PATH="", CXX="")
+    one_sentence(answer, "C++ compiler", "CXX=")
+
+
+def test_a_wrong_python(tree):
+    other = tree / "bin"
+    other.mkdir()
+    for name in ("python3", "python3.11", "python3.12"):
+        fake = other / name
+        fake.write_text('#!/bin/sh\n[ "$1" = --version ] && echo Python 3.9.1 && exit 0\nexit 1\n')
+        fake.chmod(0o755)
+    answer = run([tree / "run", "setup"], PATH=f"{other}:/usr/bin:/bin", PYTHON="")
+    one_sentence(answer, "Python 3.11 or 3.12", "Python 3.9.1", "PYTHON=")
+
+
+@pytest.mark.slow
+def test_no_network(tree):
+    answer = run(
+        [sys.executable, tree / "tools" / "workspace.py", "setup"],
+        PIP_INDEX_URL="http://127.0.0.1:9/simple",
+        PIP_CONFIG_FILE=os.devnull,
+        PIP_FIND_LINKS="",
+        PIP_EXTRA_INDEX_URL="",
+        PIP_RETRIES="0",
+    )
+    one_sentence(answer, "package index cannot be reached", "network connection")
+
+
+def test_setup_in_a_folder_that_cannot_be_written(tree):
+    if os.geteuid() == 0:
+        pytest.skip("nothing is unwritable for root")
+    tree.chmod(0o555)
+    answer = run([sys.executable, tree / "tools" / "workspace.py", "setup"])
+    tree.chmod(0o755)
+    one_sentence(answer, "cannot be written")

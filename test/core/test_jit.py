@@ -1,0 +1,59 @@
+"""The kernel cache: it follows every source, and without a writable folder things still run."""
+
+import os
+import subprocess
+import sys
+
+from geoprim_core import _jit
+
+
+def test_the_digest_follows_the_file_and_the_kernel_files_it_imports(tmp_path, monkeypatch):
+    monkeypatch.setattr(_jit, "_ROOT", tmp_path)
+    (tmp_path / "room").mkdir()
+    inner = tmp_path / "room" / "_kernels_inner.py"
+    outer = tmp_path / "_kernels.py"
+    other = tmp_path / "_kernels_other.py"
+    inner.write_text("a = 1")
+    other.write_text("b = 1")
+    outer.write_text("from geoprim_core.room._kernels_inner import a")
+    assert _jit.kernel_files(outer) == [outer, inner]
+    digest = _jit.source_digest.__wrapped__
+    first = digest(outer), digest(other)
+    inner.write_text("a = 2")
+    assert digest(outer) != first[0]
+    assert digest(other) == first[1]
+
+
+def test_a_cache_that_cannot_be_written_is_passed_over():
+    script = (
+        "from geoprim_core import _jit; import numba\n"
+        "assert _jit.cache_base() is None\n"
+        "before = numba.config.CACHE_DIR\n"
+        "double = _jit.kernel(lambda x: 2.0 * x)\n"
+        "assert double(21.0) == 42.0 and numba.config.CACHE_DIR == before"
+    )
+    environment = {**os.environ, "GEOPRIM_CACHE_DIR": "/dev/null/nowhere"}
+    subprocess.run([sys.executable, "-c", script], env=environment, check=True)
+
+
+def test_every_kernel_has_one_specialisation():
+    """In a process of its own, as other tests call kernels with what they like."""
+    script = """
+from importlib import import_module
+from pathlib import Path
+import geoprim_core
+from geoprim_core.synthetic import sorting_sequence
+from geoprim_core.warm import warm_kernels
+
+warm_kernels()
+frame = next(iter(sorting_sequence("coins", seed=1, frames=1)))
+for image in (frame.image, frame.image[:, :, 0].copy()):
+    geoprim_core.detect_ellipses(image)
+core = Path(geoprim_core.__file__).parent
+for file in core.rglob("_kernels*.py"):
+    parts = file.relative_to(core).with_suffix("").parts
+    for name, value in vars(import_module("geoprim_core." + ".".join(parts))).items():
+        signatures = getattr(value, "signatures", [])
+        assert len(signatures) <= 1, f"{file.name}: {name} was compiled for {signatures}"
+"""
+    subprocess.run([sys.executable, "-c", script], check=True)

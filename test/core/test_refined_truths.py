@@ -1,0 +1,203 @@
+"""The `refined` scheme on scenes whose ellipses are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from geoprim_core.ecc.refined import OUTCOMES, detect_refined, trace_refined
+from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.edges import EdgeParams, extract_contours
+from geoprim_core.errors import InputError, ParameterError
+from geoprim_core.fitting import overlap_matrix
+from geoprim_core.synthetic import disc_image, ellipse_image, render_ellipses, thesis_image
+from geoprim_core.types import Contours, Ellipse, Ellipses
+
+SIZE = (260, 220)
+CROSSING = Ellipses.from_array([[110, 100, 80, 45, 0.4], [140, 115, 70, 50, 2.2]])
+
+
+def found_in(image, params=None):
+    return detect_refined(extract_contours(image), None, params)
+
+
+def assert_same(found, truth, tolerance):
+    """Every true ellipse is found, nothing else, and each number within `tolerance` pixels."""
+    assert len(found) == len(truth)
+    near = overlap_matrix(truth, found.ellipses).argmax(axis=1)
+    assert len(set(near.tolist())) == len(truth)
+    rows, wanted = found.ellipses.array()[near], truth.array()
+    assert np.abs(rows - wanted)[:, :4].max() < tolerance
+    turn = (rows[:, 4] - wanted[:, 4] + np.pi / 2) % np.pi - np.pi / 2
+    assert (np.abs(turn) * (wanted[:, 2] - wanted[:, 3])).max() < 2 * tolerance
+
+
+@pytest.mark.parametrize("radius", [10.0, 14.7, 30.0, 90.25])
+def test_a_disc_is_measured_to_a_twentieth_of_a_pixel(radius):
+    found = found_in(disc_image(260, 220, centre=(128.3, 108.6), radius=radius))
+    assert_same(found, Ellipses.from_array([[128.3, 108.6, radius, radius, 0.0]]), 0.05)
+    assert found.coverage[0] == 1
+    assert found.alignment[0] == 1
+    assert found.continuity[0] == 1
+    assert found.score[0] > 0.8
+
+
+def test_the_shrinkage_of_the_blur_is_undone():
+    image = disc_image(120, 100, centre=(60.2, 49.7), radius=20.0)
+    assert abs(found_in(image).ellipses.semi_major[0] - 20.0) < 0.01
+    left = found_in(image, RefinedParams(edge_spread=0.0))
+    assert left.ellipses.semi_major[0] - 20.0 == pytest.approx(-0.025, abs=0.01)
+
+
+@pytest.mark.parametrize("inside", [200, 70])
+def test_an_ellipse_is_found_bright_or_dark(inside):
+    truth = Ellipse(128.2, 101.4, 70.0, 25.0, 1.1)
+    found = found_in(ellipse_image(*SIZE, truth, inside=inside, outside=130))
+    assert_same(found, Ellipses.from_array([[128.2, 101.4, 70.0, 25.0, 1.1]]), 0.1)
+
+
+@pytest.mark.parametrize("kind", ["occluded", "overlapping"])
+@pytest.mark.parametrize("drawing", ["filled", "outlines"])
+def test_two_crossing_ellipses_are_both_found(kind, drawing):
+    levels = np.array([110.0, 220.0]) if drawing == "filled" else np.array([0.0, 0.0])
+    background = 40.0 if drawing == "filled" else 235.0
+    image = render_ellipses(
+        CROSSING, SIZE, kind=kind, drawing=drawing, levels=levels, background=background
+    )
+    assert_same(found_in(image), CROSSING, 0.35)
+
+
+def test_the_two_arcs_of_an_occluded_ellipse_are_joined():
+    truth = Ellipses.from_array([[130, 110, 90, 40, 0.0], [130, 110, 90, 22, np.pi / 2]])
+    image = render_ellipses(truth, SIZE, levels=np.array([200.0, 110.0]))
+    found = found_in(image)
+    assert_same(found, truth, 0.2)
+    behind = overlap_matrix(truth, found.ellipses)[0].argmax()
+    assert 0.5 < found.coverage[behind] < 0.95
+
+
+@pytest.mark.parametrize("ink, paper", [(0.0, 235.0), (235.0, 20.0)])
+def test_a_drawn_line_gives_one_ellipse_on_its_centre_line(ink, paper):
+    truth = Ellipses.from_array([[128, 108, 84, 60, 0.7]])
+    levels = np.array([ink])
+    image = render_ellipses(truth, SIZE, drawing="outlines", levels=levels, background=paper)
+    assert_same(found_in(image), truth, 0.08)
+    apart = found_in(image, RefinedParams(stroke_reach=0.0))
+    assert np.abs(apart.ellipses.semi_major - 84).min() > 0.4
+
+
+def test_concentric_rings_are_both_found():
+    truth = Ellipses.from_array([[130, 110, 90, 90, 0.0], [130, 110, 65, 65, 0.0]])
+    image = render_ellipses(truth, SIZE, levels=np.array([200.0, 90.0]))
+    assert_same(found_in(image), truth, 0.1)
+
+
+def test_an_ellipse_half_out_of_frame_is_found():
+    truth = Ellipse(20.0, 110.0, 80.0, 60.0, np.pi / 2)
+    found = found_in(ellipse_image(*SIZE, truth))
+    assert_same(found, Ellipses.from_array([[20.0, 110.0, 80.0, 60.0, np.pi / 2]]), 0.3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_pure_noise_gives_nothing(seed):
+    noise = np.random.default_rng(seed).normal(128, 40, (480, 640))
+    assert len(found_in(np.clip(noise, 0, 255).astype(np.uint8))) == 0
+
+
+def test_straight_lines_give_nothing():
+    image = np.full((220, 260), 40, np.uint8)
+    image[40:180, 60:200] = 200
+    image[90:130] = 120
+    assert len(found_in(image)) == 0
+
+
+@pytest.fixture(scope="module")
+def busy():
+    return thesis_image(10, seed=5, kind="overlapping")
+
+
+def test_the_same_image_gives_the_same_bytes(busy):
+    first, second = found_in(busy.image), found_in(busy.image)
+    assert len(first) >= 9
+    assert first.ellipses.array().tobytes() == second.ellipses.array().tobytes()
+    assert first.score.tobytes() == second.score.tobytes()
+    assert first.covariance.tobytes() == second.covariance.tobytes()
+
+
+def test_a_quarter_turn_and_a_mirror_give_the_same_ellipses(busy):
+    found = found_in(busy.image)
+    width = busy.image.shape[1]
+    x, y, a, b, angle = found.ellipses.columns()
+    mirrored = Ellipses(width - 1 - x, y, a, b, (np.pi - angle) % np.pi)
+    assert_same(found_in(np.ascontiguousarray(busy.image[:, ::-1])), mirrored, 0.1)
+    turned = Ellipses(y, width - 1 - x, a, b, (angle + np.pi / 2) % np.pi)
+    assert_same(found_in(np.ascontiguousarray(np.rot90(busy.image))), turned, 0.1)
+
+
+def test_the_covariance_is_that_of_many_noisy_pictures():
+    truth = Ellipse(80.3, 61.7, 45.0, 28.0, 0.5)
+    clean = ellipse_image(160, 120, truth).astype(float)
+    random = np.random.default_rng(3)
+    rows, claimed = [], []
+    for _ in range(150):
+        noisy = np.clip(clean + random.normal(0, 12, clean.shape), 0, 255).astype(np.uint8)
+        found = found_in(noisy)
+        assert len(found) == 1
+        rows.append(found.ellipses.array()[0])
+        claimed.append(found.covariance[0])
+    spread = np.std(rows, axis=0)
+    told = np.sqrt(np.mean([np.diag(c) for c in claimed], axis=0))
+    assert np.all(told / spread > 0.6)
+    assert np.all(told / spread < 1.7)
+    for covariance in claimed[:5]:
+        assert np.array_equal(covariance, covariance.T)
+        assert np.linalg.eigvalsh(covariance).min() > 0
+
+
+def test_contours_without_gradient_or_sub_pixel_positions_do(busy):
+    contours = extract_contours(disc_image(120, 100, centre=(60, 50), radius=30))
+    bare = Contours(contours.points, contours.offsets, contours.closed, (120, 100))
+    assert_same(detect_refined(bare), Ellipses.from_array([[60, 50, 30, 30, 0.0]]), 0.5)
+
+
+def test_every_verified_ellipse_is_reported_or_says_why_not(busy):
+    trace = trace_refined(extract_contours(busy.image))
+    reasons = trace.selection.reasons
+    assert len(reasons) == len(trace.verified)
+    assert {k for k, reason in enumerate(reasons) if not reason} == set(trace.selection.chosen)
+    assert set(reasons) <= set(OUTCOMES)
+    assert len(trace.detections) == len(trace.selection.chosen)
+    weak = [k for k, reason in enumerate(reasons) if reason == OUTCOMES[0]]
+    assert np.all(trace.verified.score[weak] < RefinedParams().min_score)
+
+
+def test_the_bounds_on_work_say_when_they_bit(busy):
+    contours = extract_contours(busy.image)
+    free = trace_refined(contours)
+    assert free.candidates.complete
+    assert free.verified.complete
+    tied = trace_refined(contours, None, RefinedParams(max_pairs=50))
+    assert not tied.candidates.complete
+    assert tied.candidates.pairs == 50
+    tied = trace_refined(contours, None, RefinedParams(max_candidates=3))
+    assert not tied.verified.complete
+    assert tied.verified.walked == 3
+
+
+def test_arcs_are_cut_where_an_outline_bends_back():
+    t = np.linspace(0, np.pi, 150)
+    upper = np.stack([60 - 40 * np.cos(t), 60 - 40 * np.sin(t)], axis=1)
+    lower = np.stack([140 - 40 * np.cos(t), 60 + 40 * np.sin(t)], axis=1)
+    wave = np.concatenate([upper, lower[1:]])
+    trace = trace_refined(Contours(wave, [0, len(wave)], [False], (200, 120)))
+    assert len(trace.arcs) == 2
+    assert np.abs(trace.arcs.table[:, 17] - 40).max() < 4
+
+
+def test_wrong_arguments_are_named():
+    with pytest.raises(InputError, match="contours"):
+        detect_refined(np.zeros((4, 2)))
+    empty = Contours(np.zeros((0, 2)), [0], [], (40, 30))
+    with pytest.raises(ParameterError, match="params"):
+        detect_refined(empty, None, EdgeParams())
+    assert len(detect_refined(empty)) == 0

@@ -1,0 +1,112 @@
+"""A graph of its own for every test: own domain, this machine only, nodes in an own context."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+import pytest
+
+# Before anything of ROS is imported.
+os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
+os.environ.setdefault("ROS_LOG_DIR", tempfile.mkdtemp(prefix="geoprim_ros_log_"))
+
+rclpy = pytest.importorskip("rclpy")
+pytest.importorskip("geoprim_msgs.msg")
+
+from rclpy.executors import SingleThreadedExecutor  # noqa: E402
+
+import geoprim_ros  # noqa: E402, F401
+from geoprim_core.io.image_message import image_record  # noqa: E402
+from geoprim_core.synthetic import disc_image  # noqa: E402
+from geoprim_ros.conversions import to_message  # noqa: E402
+
+DISC = {"centre": (161.3, 118.7), "radius": 60.0}
+
+
+class Graph:
+    """Nodes in one context and one executor, and processes beside them."""
+
+    def __init__(self):
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.nodes = []
+        self.processes = []
+
+    def add(self, node):
+        self.nodes.append(node)
+        self.executor.add_node(node)
+        return node
+
+    def node(self, name, **options):
+        return self.add(rclpy.create_node(name, context=self.context, **options))
+
+    def start(self, module, *args):
+        """Start a module in a process of its own."""
+        command = [sys.executable, "-m", module, *map(str, args)]
+        process = subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        self.processes.append(process)
+        return process
+
+    def spin_until(self, condition, timeout=20.0, what=""):
+        """Spin until something is true; discovery alone can take three seconds."""
+        end = time.monotonic() + timeout
+        while not condition():
+            assert time.monotonic() < end, f"not reached in {timeout} s: {what or condition}"
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def spin_for(self, seconds):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def collect(self, node, kind, topic, depth=50):
+        """Subscribe reliably and return the list that fills."""
+        got = []
+        node.create_subscription(kind, topic, got.append, depth)
+        return got
+
+    def close(self):
+        for process in self.processes:
+            if process.poll() is None:
+                process.kill()
+            process.communicate(timeout=10)
+        for node in self.nodes:
+            self.executor.remove_node(node)
+            node.destroy_node()
+        self.executor.shutdown(timeout_sec=1.0)
+        self.context.try_shutdown()
+
+
+@pytest.fixture
+def graph():
+    graph = Graph()
+    yield graph
+    graph.close()
+
+
+@pytest.fixture
+def disc_message():
+    """Make the message of a 320x240 image with one disc."""
+
+    def make(stamp_ns=1_000_000_007, **changes):
+        image = disc_image(320, 240, **DISC)
+        colour = np.repeat(image[:, :, None], 3, axis=2)
+        message = to_message(image_record(colour, stamp_ns, "camera"))
+        for name, value in changes.items():
+            setattr(message, name, value)
+        return message
+
+    return make
+
+
+@pytest.fixture
+def disc():
+    return DISC

@@ -1,0 +1,115 @@
+"""Writes the generated tables of README.md from the code; `--check` only compares.
+
+A table stands between `<!-- table: NAME -->` and `<!-- end -->`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+README = ROOT / "README.md"
+BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def methods() -> str:
+    """Return the table of every method: family, name, function, parameters, citation."""
+    from geoprim_core import ecc, edges, fitting, polygon, tangent
+
+    families = {
+        "edge linking": edges.TABLE,
+        "polygonal approximation": polygon.TABLE,
+        "tangents": tangent.TABLE,
+        "ellipse fitting": fitting.TABLE,
+        "ellipse detection": ecc.TABLE,
+    }
+    rows = [
+        (
+            family,
+            f"`{row.name}`",
+            f"`{_path(row.function)}`",
+            f"`{row.params.__name__}`",
+            row.citation,
+        )
+        for family, table in families.items()
+        for row in table
+    ]
+    return table_of(("family", "name", "function", "parameters", "source"), rows)
+
+
+def _path(function: Callable[..., object]) -> str:
+    return f"{function.__module__.removeprefix('geoprim_core.')}.{function.__qualname__}"
+
+
+def parameters() -> str:
+    """Return the table of every parameter of the chain."""
+    from geoprim_core.ecc import DetectorParams
+
+    rows = []
+    for o in DetectorParams.options():
+        if o.choices:
+            values = ", ".join(o.choices)
+        elif o.kind is bool:
+            values = "true, false"
+        else:
+            values = f"{'' if o.low is None else o.low} .. {'' if o.high is None else o.high}"
+        rows.append((f"`{o.name}`", f"`{o.default}`", o.unit, values, o.text))
+    return table_of(("parameter", "default", "unit", "values", "meaning"), rows)
+
+
+def topics() -> str:
+    """Return the table of the topics of every node."""
+    from geoprim_ros.topics import TOPICS
+
+    rows = [(f"`{t.name}`", f"`{t.type}`", t.published_by, t.text) for t in TOPICS]
+    return table_of(("topic", "type", "published by", "holds"), rows)
+
+
+def messages() -> str:
+    """Return the table of every field of our messages."""
+    rows = []
+    for file in sorted((ROOT / "msg_defs" / "geoprim_msgs" / "msg").glob("*.msg")):
+        for line in file.read_text().splitlines():
+            field = re.match(r"(\S+)\s+(\w+)\s+#\s*(.+)", line)
+            if field and not line.startswith("#"):
+                kind, name, text = field.groups()
+                rows.append((f"`{file.stem}`", f"`{kind}`", f"`{name}`", text))
+    return table_of(("message", "type", "field", "meaning [unit]"), rows)
+
+
+def table_of(head: tuple[str, ...], rows: Iterable[tuple[object, ...]]) -> str:
+    """Return a Markdown table."""
+    lines = [head, ("---",) * len(head), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
+
+
+TABLES = {"methods": methods, "parameters": parameters, "topics": topics, "messages": messages}
+
+
+def filled(text: str) -> str:
+    """Return the text with every table made anew."""
+    return BLOCK.sub(lambda m: f"{m[1]}{TABLES[m[2]]()}\n{m[3]}", text)
+
+
+def main() -> int:
+    """Write the README, or with --check tell whether it is up to date."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="only compare, exit code 1 if stale")
+    arguments = parser.parse_args()
+    text = README.read_text()
+    new = filled(text)
+    if new == text:
+        return 0
+    if arguments.check:
+        print("README.md: its tables are stale; run ./run exec python tools/readme.py")
+        return 1
+    README.write_text(new)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
