@@ -14,6 +14,10 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 from geoprim_core.errors import GeoprimError
+from geoprim_ros.deadline import exit_after
+
+# A participant is gone after some tens of milliseconds, unless Fast DDS waits for itself.
+_TAKE_DOWN_S = 8.0
 
 
 def run(make_nodes: Callable[[], Sequence[Node]], args: Sequence[str] | None = None) -> int:
@@ -56,21 +60,32 @@ def in_rclpy(work: Callable[[SingleThreadedExecutor, list[Node]], int], args: Se
         rclpy.init(args=list(args))
         executor = SingleThreadedExecutor()
         nodes: list[Node] = []
+        code = 1
         try:
-            return work(executor, nodes)
-        except (KeyboardInterrupt, ExternalShutdownException):
-            pass
-        except GeoprimError as problem:
-            print(problem, file=sys.stderr)
-            return 2
-        except Exception:
-            # A signal invalidates the context under rclpy's feet, which then raises one of
-            # several errors; with the context still up the error is a real one.
-            if rclpy.ok():
-                raise
+            code = _code_of(work, executor, nodes)
         finally:
-            take_down(executor, nodes)
-        return 0
+            take_down(executor, nodes, code)
+        return code
+
+
+def _code_of(
+    work: Callable[[SingleThreadedExecutor, list[Node]], int],
+    executor: SingleThreadedExecutor,
+    nodes: list[Node],
+) -> int:
+    try:
+        return work(executor, nodes)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except GeoprimError as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    except Exception:
+        # A signal invalidates the context under rclpy's feet, which then raises one of
+        # several errors; with the context still up the error is a real one.
+        if rclpy.ok():
+            raise
+    return 0
 
 
 @contextmanager
@@ -113,10 +128,18 @@ def split_ros_args(args: Sequence[str]) -> tuple[list[str], list[str]]:
     return own, ros
 
 
-def take_down(executor: SingleThreadedExecutor, nodes: Sequence[Node]) -> None:
-    """Stop the executor, then the nodes, then rclpy; a second Ctrl-C does not cut it short."""
-    steps = [partial(executor.shutdown, timeout_sec=1.0)]
-    steps += [node.destroy_node for node in nodes]
-    for step in (*steps, rclpy.try_shutdown):
+def take_down(executor: SingleThreadedExecutor, nodes: Sequence[Node], code: int = 0) -> None:
+    """Stop the executor, then the nodes, then rclpy; a second Ctrl-C does not cut it short.
+
+    Where the middleware hangs in it, the process ends with `code`.
+    """
+    own = [node.close for node in nodes if hasattr(node, "close")]  # what must not be cut short
+    _do_all([partial(executor.shutdown, timeout_sec=1.0), *own])
+    with exit_after(_TAKE_DOWN_S, code):
+        _do_all([*(node.destroy_node for node in nodes), rclpy.try_shutdown])
+
+
+def _do_all(steps: Sequence[Callable[[], object]]) -> None:
+    for step in steps:
         with suppress(KeyboardInterrupt):
             step()

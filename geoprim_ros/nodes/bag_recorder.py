@@ -75,12 +75,16 @@ class BagRecorder(Node):  # type: ignore[misc]
         if idle_limit_s > 0:
             self.create_timer(_IDLE_PERIOD_S, self._end_when_idle)
 
-    def destroy_node(self) -> None:
+    def close(self) -> None:
         """Finish the bag."""
         try:
             self._bag.close()
         except FileError as problem:
             self.get_logger().error(str(problem))
+
+    def destroy_node(self) -> None:
+        """Finish the bag, where that is not done, and take the node down."""
+        self.close()
         super().destroy_node()
 
     def _connect(self) -> None:

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from rclpy.serialization import serialize_message
 from geoprim_core.io.bags import BagWriter
 from geoprim_core.io.mcap_file import MAGIC
 from geoprim_ros import environment
+from geoprim_ros.deadline import exit_after
 from geoprim_ros.nodes import edges_node
 
 ROOT = Path(__file__).parents[2]
@@ -50,6 +52,24 @@ def test_every_node_runs_as_a_module_and_ends_with_code_0(graph, tmp_path, numbe
     assert {name: code for name, (code, _) in ends.items()} == dict.fromkeys(commands, 0), ends
     assert not any("Traceback" in text for _, text in ends.values()), ends
     assert (tmp_path / "out.mcap").read_bytes().endswith(MAGIC)
+
+
+def test_a_process_that_hangs_in_native_code_ends_with_its_code():
+    # sleep of PyDLL keeps the interpreter's lock, as rclpy does while a participant is removed
+    program = (
+        "import ctypes; from geoprim_ros.deadline import exit_after\n"
+        "print('said', flush=False)\n"
+        "with exit_after(0.5, 7): ctypes.PyDLL(None).sleep(50)"
+    )
+    words = [sys.executable, "-c", program]
+    answer = subprocess.run(words, capture_output=True, text=True, timeout=40)
+    assert (answer.returncode, answer.stdout, answer.stderr) == (7, "said\n", "")
+
+
+def test_a_process_that_is_in_time_goes_on():
+    with exit_after(0.2, 7):
+        pass
+    time.sleep(0.5)  # the timer is gone
 
 
 def test_a_refused_parameter_ends_the_process_with_one_sentence(graph):
