@@ -78,6 +78,10 @@ class Graph:
             if process.poll() is None:
                 process.kill()
             process.communicate(timeout=10)
+        if self.processes:
+            # What they announced last is heard before the participant goes: Fast DDS can hang
+            # where both meet (see geoprim_ros.deadline).
+            self.spin_for(0.2)
         for node in self.nodes:
             self.executor.remove_node(node)
             node.destroy_node()
