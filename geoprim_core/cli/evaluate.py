@@ -3,21 +3,33 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 
+from geoprim_core.cli.benchmark_images import (
+    BenchmarkImages,
+    add_set_arguments,
+    comparison_files,
+    write_files,
+)
 from geoprim_core.cli.detector import add_detector_arguments, detector_params
-from geoprim_core.ecc import detect_ellipses
-from geoprim_core.errors import FileError
-from geoprim_core.evaluation import Report, evaluate_images, load_ground_truth
-from geoprim_core.io.images import read_image
+from geoprim_core.cli.overlays import write_overlays
+from geoprim_core.errors import FileError, InputError
+from geoprim_core.evaluation import OVERLAPS, Report, load_ground_truth
+from geoprim_core.evaluation.comparison import Comparison, compare_detectors
+from geoprim_core.evaluation.comparison_tables import worst_markdown
+from geoprim_core.evaluation.peers import DetectorUnderTest, OwnDetector, Peer
 from geoprim_core.io.score_bag import score_bag
 from geoprim_core.plotting import plot_scores
+
+Files = dict[str, Callable[[Path], object]]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument(
         "path",
+        nargs="?",
         type=Path,
         metavar="BAG|FOLDER",
         help="a bag with results and ground truth, or a folder with ground-truth files (*.json)",
@@ -30,42 +42,94 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="ellipses",
         help="what is scored of a bag: ellipses (default), or detections, the labelled objects",
     )
+    add_set_arguments(parser)
     parser.add_argument(
-        "--overlap", type=float, nargs="+", default=[0.8, 0.95], help="least overlap of a hit"
+        "--detector",
+        metavar="MODULE:CALLABLE",
+        help="judge another detector; see `geoprim bench detectors --help`",
+    )
+    parser.add_argument("--detector-python", metavar="PYTHON", help="the Python that runs it")
+    parser.add_argument("--worst", type=int, default=5, help="images listed as the worst (5)")
+    parser.add_argument(
+        "--output", type=Path, metavar="DIR", help="write tables (Markdown, CSV) and plots"
     )
     parser.add_argument(
-        "--output", type=Path, metavar="DIR", help="write scores.csv, images.csv and scores.png"
+        "--overlays", type=Path, metavar="DIR", help="draw the worst images: hits, misses, false"
     )
     add_detector_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the table; with --output write it as CSV and as a plot."""
-    report = _report(arguments)
-    print(report.markdown(), end="")
-    if arguments.output is not None:
-        _write(report, arguments.output)
+    """Print the tables; with --output write them and the plots, with --overlays pictures."""
+    if arguments.path is not None and not arguments.path.exists():
+        raise FileError(f"{arguments.path}: no such file or folder")
+    if _is_bag(arguments.path):
+        _evaluate_bag(arguments)
+    else:
+        _evaluate_images(arguments)
     return 0
 
 
-def _report(arguments: argparse.Namespace) -> Report:
-    if not arguments.path.exists():
-        raise FileError(f"{arguments.path}: no such file or folder")
-    if arguments.path.suffix == ".mcap" or list(arguments.path.glob("*.mcap")):
-        return score_bag(arguments.path, found=arguments.topic, overlaps=arguments.overlap)
-    truth = load_ground_truth(arguments.path, arguments.images)
-    params = detector_params(arguments)
-    return evaluate_images(
-        lambda image: detect_ellipses(image, params), truth, read_image, overlaps=arguments.overlap
-    )
+def _is_bag(path: Path | None) -> bool:
+    return path is not None and (path.suffix == ".mcap" or any(path.glob("*.mcap")))
 
 
-def _write(report: Report, folder: Path) -> None:
+def _evaluate_bag(arguments: argparse.Namespace) -> None:
+    overlaps = arguments.overlap or OVERLAPS
+    report = score_bag(arguments.path, found=arguments.topic, overlaps=overlaps)
+    markdown = report.markdown()
+    print(markdown, end="")
+    if arguments.overlays is not None:
+        raise InputError("--overlays", "images; a bag's are drawn by `geoprim process`", "a bag")
+    if arguments.output is not None:
+        write_files(arguments.output, _report_files(report, markdown))
+
+
+def _evaluate_images(arguments: argparse.Namespace) -> None:
+    folder = arguments.path
+    truth = () if folder is None else load_ground_truth(folder, arguments.images)
+    images = BenchmarkImages(arguments, truth, overlaps=OVERLAPS)
+    detector = _detector(arguments)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "scores.csv").write_text(report.csv())
-        (folder / "images.csv").write_text(report.csv_images())
-        plot_scores(report).figure.savefig(folder / "scores.png", dpi=150, bbox_inches="tight")
-    except OSError as problem:
-        raise FileError(f"cannot write to {folder}: {problem.strerror}") from None
-    print(f"\nwritten: {folder / 'scores.csv'}, images.csv, scores.png")
+        with images.bar() as bar:
+            comparison = compare_detectors([detector], images, after_image=bar.update)
+    finally:
+        detector.close()
+    report, markdown = comparison.report(detector.name), _markdown(comparison, arguments.worst)
+    print(markdown, end="")
+    if arguments.output is not None:
+        compared = comparison_files(comparison, markdown)
+        plots: Files = {n: write for n, write in compared.items() if n.endswith(".png")}
+        write_files(arguments.output, _report_files(report, markdown) | plots)
+    if arguments.overlays is not None:
+        write_overlays(arguments.overlays, comparison, images, arguments.worst)
+
+
+def _detector(arguments: argparse.Namespace) -> DetectorUnderTest:
+    if arguments.detector is None:
+        return OwnDetector("geoprim", detector_params(arguments))
+    return Peer(arguments.detector, arguments.detector, python=arguments.detector_python)
+
+
+def _markdown(comparison: Comparison, worst: int) -> str:
+    """Return the report, what gave no answer, and the worst images at the least overlap."""
+    (name,) = comparison.detectors
+    text = comparison.report(name).markdown()
+    if comparison.problems:
+        text += "\nWithout an answer:\n\n" + "".join(f"- {p}\n" for p in comparison.problems)
+    measured = comparison.of(name)
+    for overlap in sorted({m.matchings[0][0] for m in measured}) if worst > 0 else ():
+        chosen = [m for m in measured if m.matchings[0][0] == overlap]
+        text += f"\nThe worst, overlap {overlap:g}:\n\n{worst_markdown(chosen, overlap, worst)}"
+    return text
+
+
+def _report_files(report: Report, markdown: str) -> Files:
+    return {
+        "scores.md": lambda path: path.write_text(markdown),
+        "scores.csv": lambda path: path.write_text(report.csv()),
+        "images.csv": lambda path: path.write_text(report.csv_images()),
+        "scores.png": lambda path: plot_scores(report).figure.savefig(
+            path, dpi=150, bbox_inches="tight"
+        ),
+    }

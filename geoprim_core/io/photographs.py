@@ -42,6 +42,10 @@ PHOTOGRAPHS = {
 """Name -> photograph."""
 
 
+BACKGROUNDS = ("gravel.png", "camera.png", "rocket.jpg", "brick.png", "grass.png", "text.png")
+"""Further files of that folder, and some of the same, that show nothing round."""
+
+
 def packaged_photographs() -> dict[str, AnyArray]:
     """Return name -> image of `PHOTOGRAPHS`, gray or BGR, as the files have them.
 
@@ -55,8 +59,29 @@ def packaged_photographs() -> dict[str, AnyArray]:
     >>> packaged_photographs()["coins"].shape
     (303, 384)
     """
+    folder = _folder()
+    return {name: read_image(folder / photograph.file) for name, photograph in PHOTOGRAPHS.items()}
+
+
+def packaged_backgrounds() -> dict[str, AnyArray]:
+    """Return name -> image of `BACKGROUNDS`: ground to put targets of known place on.
+
+    Raises
+    ------
+    FileError
+        scikit-image is not installed or lacks a file.
+
+    Examples
+    --------
+    >>> packaged_backgrounds()["gravel"].shape
+    (512, 512)
+    """
+    folder = _folder()
+    return {Path(file).stem: read_image(folder / file) for file in BACKGROUNDS}
+
+
+def _folder() -> Path:
     found = find_spec("skimage")
     if found is None or found.origin is None:
         raise FileError("the photographs are missing: scikit-image is not installed")
-    folder = Path(found.origin).parent / "data"
-    return {name: read_image(folder / photograph.file) for name, photograph in PHOTOGRAPHS.items()}
+    return Path(found.origin).parent / "data"

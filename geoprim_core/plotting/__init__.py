@@ -1,6 +1,18 @@
 """Pictures of images, contours, ellipses and scores; matplotlib is imported when one is drawn."""
 
+from geoprim_core.plotting.comparison import plot_alpha, plot_precision_recall, plot_time_accuracy
+from geoprim_core.plotting.matches import plot_matching
 from geoprim_core.plotting.overlays import plot_contours, plot_detections
+from geoprim_core.plotting.scaling import plot_growth
 from geoprim_core.plotting.scores import plot_scores
 
-__all__ = ["plot_contours", "plot_detections", "plot_scores"]
+__all__ = [
+    "plot_alpha",
+    "plot_contours",
+    "plot_detections",
+    "plot_growth",
+    "plot_matching",
+    "plot_precision_recall",
+    "plot_scores",
+    "plot_time_accuracy",
+]

@@ -3,6 +3,8 @@
 Every function is deterministic: the same arguments, seed included, give the same bytes.
 """
 
+from geoprim_core.synthetic.circles import ARRANGEMENTS, circles_image
+from geoprim_core.synthetic.discs import TARGETS, disc_scene, project_circle
 from geoprim_core.synthetic.scene import Scene
 from geoprim_core.synthetic.shapes import (
     disc_image,
@@ -18,13 +20,18 @@ from geoprim_core.synthetic.variants import degraded, rotated
 
 __all__ = [
     "ALPHAS",
+    "ARRANGEMENTS",
     "SORTING_LINES",
+    "TARGETS",
     "Scene",
     "SortingLine",
     "SortingObject",
+    "circles_image",
     "degraded",
     "disc_image",
+    "disc_scene",
     "ellipse_image",
+    "project_circle",
     "render_ellipses",
     "render_parity",
     "rotated",

@@ -31,6 +31,7 @@ def thesis_image(
     drawing: str = "filled",
     size: int = 300,
     overhang: int = 0,
+    turn: float = 0.0,
 ) -> Scene:
     """Render one image of the thesis' synthetic sets.
 
@@ -49,6 +50,9 @@ def thesis_image(
         Width and height in pixels.
     overhang : int
         Ellipses may reach so many pixels beyond each side of the image; the thesis has 0.
+    turn : float
+        The ellipses are turned about the centre by this angle, in radians from +x towards +y,
+        before they are drawn; the frame grows to hold the turned one. Nothing is resampled.
 
     Returns
     -------
@@ -58,8 +62,8 @@ def thesis_image(
     Raises
     ------
     InputError
-        A count below 1, a size below 60, a negative seed or overhang, or an unknown kind or
-        drawing.
+        A count below 1, a size below 60, a negative seed or overhang, a turn that is not finite,
+        or an unknown kind or drawing.
 
     References
     ----------
@@ -79,9 +83,11 @@ def thesis_image(
         raise InputError("size", "at least 60 pixels", f"{size}")
     if min(seed, overhang) < 0:
         raise InputError("seed, overhang", "numbers of at least 0", f"{seed}, {overhang}")
+    if not np.isfinite(turn):
+        raise InputError("turn", "a finite angle in radians", f"{turn}")
     random = np.random.default_rng([seed, count, size])
     ellipses = _random_ellipses(random, count, size, overhang)
-    frame = (size, size)
+    ellipses, frame = _turned(ellipses, size, turn)
     levels, ground = _grey_levels(random, ellipses, frame, kind, drawing)
     image = render_ellipses(
         ellipses, frame, kind=kind, drawing=drawing, levels=levels, background=ground
@@ -114,6 +120,20 @@ def _random_ellipses(random: np.random.Generator, count: int, size: int, overhan
         if len(rows) == 0 or _kernels.overlap_flags(rows, row).any():
             rows = np.vstack([rows, row])
     return Ellipses.from_array(rows - np.array([overhang, overhang, 0, 0, 0]))
+
+
+def _turned(ellipses: Ellipses, size: int, turn: float) -> tuple[Ellipses, tuple[int, int]]:
+    """Turn ellipses about the centre of a square frame; return them and the frame that holds it."""
+    if turn == 0:
+        return ellipses, (size, size)
+    c, s = np.cos(turn), np.sin(turn)
+    side = int(np.ceil(size * (abs(c) + abs(s)) - 1e-9))
+    rows = ellipses.array()
+    u, v = rows[:, 0] - (size - 1) / 2, rows[:, 1] - (size - 1) / 2
+    rows[:, 0] = c * u - s * v + (side - 1) / 2
+    rows[:, 1] = s * u + c * v + (side - 1) / 2
+    rows[:, 4] = (rows[:, 4] + turn) % np.pi
+    return Ellipses.from_array(rows), (side, side)
 
 
 def _random_inside(random: np.random.Generator, size: int) -> FloatArray:

@@ -1,0 +1,173 @@
+"""What each departure of the `refined` scheme from the thesis is worth: F without it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from geoprim_core.ecc import DetectorParams
+from geoprim_core.evaluation.comparison import Comparison
+from geoprim_core.evaluation.comparison_tables import ComparisonRow, comparison_rows
+from geoprim_core.evaluation.peers import OwnDetector
+from geoprim_core.params import Scalar
+
+EVERYTHING = "everything"
+"""Name of the detector that keeps all departures."""
+
+
+@dataclass(frozen=True, slots=True)
+class Departure:
+    """One step that `refined` does otherwise than the thesis.
+
+    Attributes
+    ----------
+    name : str
+    changes : dotted name -> value
+        The parameters of the chain that leave it out.
+    reason : str
+        Why the step is there.
+    """
+
+    name: str
+    changes: dict[str, Scalar] = field(hash=False)
+    reason: str
+
+
+DEPARTURES = (
+    Departure(
+        "strongest colour channel",
+        {"edges.colour": "gray"},
+        "edges between colours of one lightness have no gradient in the gray image",
+    ),
+    Departure(
+        "thresholds from typical gradients and noise",
+        {"edges.threshold_rule": "fraction"},
+        "one strong edge must not hide the others",
+    ),
+    Departure(
+        "direction-true linking",
+        {"edges.linking": "junctions"},
+        "curves go on through their crossings",
+    ),
+    Departure(
+        "sub-pixel positions",
+        {"edges.subpixel": False},
+        "small and thin ellipses need tenths of a pixel",
+    ),
+    Departure(
+        "strokes: both edges on one centre line",
+        {"ecc.refined.stroke_reach": 0.0},
+        "the truth of a drawn line is its middle",
+    ),
+    Departure(
+        "arcs split where no ellipse fits",
+        {"ecc.refined.max_arc_rms": 100.0},
+        "a contour may run on from one ellipse to the next without a turn",
+    ),
+    Departure(
+        "either polarity",
+        {"ecc.refined.same_polarity": True},
+        "an occluded outline is brighter here and darker there than what it lies on",
+    ),
+    Departure(
+        "score by evidence (instead: coverage 0.65)",
+        {"ecc.refined.min_score": 0.0, "ecc.refined.min_coverage": 0.65},
+        "little of an outline is enough where nothing contradicts it",
+    ),
+    Departure(
+        "score by evidence (instead: coverage 0.4)",
+        {"ecc.refined.min_score": 0.0, "ecc.refined.min_coverage": 0.4},
+        "little of an outline is enough where nothing contradicts it",
+    ),
+    Departure(
+        "support within 2 pixels (instead: 1)",
+        {"ecc.refined.reach": 1.0},
+        "real outlines are not exact ellipses",
+    ),
+    Departure(
+        "copies dropped from overlap 0.8 (instead: 0.9)",
+        {"ecc.refined.max_overlap": 0.9},
+        "the two edges of a rim are one object",
+    ),
+    Departure(
+        "copies dropped from overlap 0.8 (instead: none)",
+        {"ecc.refined.max_overlap": 1.0},
+        "the two edges of a rim are one object",
+    ),
+    Departure(
+        "selection by unclaimed support",
+        {"ecc.refined.min_unclaimed": 0.0},
+        "an edge point supports one ellipse",
+    ),
+    Departure(
+        "search region before the fit",
+        {"ecc.refined.region_slack": 100.0},
+        "pairs that cannot be one ellipse cost no fit",
+    ),
+    Departure(
+        "sure ellipses take their arcs",
+        {"ecc.refined.claim_score": 0.999999},
+        "what is explained needs no further candidates",
+    ),
+    Departure(
+        "blur's shrinkage undone",
+        {"ecc.refined.edge_spread": 0.0},
+        "a blurred edge lies inside the curve by half its variance times the curvature",
+    ),
+)
+"""The departures, in the order of the chain; a new one is a new row."""
+
+
+def ablation_detectors(
+    departures: Sequence[Departure] = DEPARTURES, params: DetectorParams | None = None
+) -> list[OwnDetector]:
+    """Return the whole detector and, for each departure, the one without it.
+
+    Raises
+    ------
+    ParameterError
+        A departure names no parameter of the chain, or a value is refused.
+
+    Examples
+    --------
+    >>> [detector.name for detector in ablation_detectors(DEPARTURES[:1])]
+    ['everything', 'strongest colour channel']
+    """
+    base = params or DetectorParams()
+    without = [OwnDetector(d.name, base.updated(d.changes)) for d in departures]
+    return [OwnDetector(EVERYTHING, base), *without]
+
+
+def ablation_markdown(comparison: Comparison) -> str:
+    """Return the table: mean F with everything, and for each departure what F loses without it.
+
+    The last column is the time without the departure in times of the whole detector. Recall
+    stands for F where only that is known.
+    """
+    rows = comparison_rows(comparison)
+    columns = list(dict.fromkeys(_column(row) for row in rows))
+    lines = [
+        "| without | " + " | ".join(columns) + " | time |",
+        "|---|" + "---:|" * (len(columns) + 1),
+    ]
+    whole = {_column(row): _merit(row) for row in rows if row.detector == EVERYTHING}
+    for name in comparison.detectors:
+        own = {_column(row): row for row in rows if row.detector == name}
+        values = [
+            f"{whole[c]:.3f}" if name == EVERYTHING else f"{_merit(own[c]) - whole[c]:+.3f}"
+            for c in columns
+        ]
+        ratios = [row.time_ratio for row in own.values()]
+        label = "nothing (F)" if name == EVERYTHING else name
+        cells = [label, *values, f"{sum(ratios) / max(len(ratios), 1):.2f}"]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _column(row: ComparisonRow) -> str:
+    kind = ", recall" if row.recall_only else ""
+    return f"{row.set_name} {row.overlap:g}{kind}"
+
+
+def _merit(row: ComparisonRow) -> float:
+    return row.means[1] if row.recall_only else row.means[2]
