@@ -9,21 +9,25 @@ import cv2
 import numpy as np
 
 
-def parameters():
-    """Return OpenCV's own settings of the method with its parameter-free mode, as published."""
+def detect(image):
+    """Return x, y, semi_major, semi_minor, angle of every circle and ellipse; own defaults."""
+    return run(image, cv2.ximgproc.EdgeDrawing.Params())
+
+
+def detect_parameter_free(image):
+    """As `detect`, in the mode without a gradient threshold."""
     params = cv2.ximgproc.EdgeDrawing.Params()
     params.PFmode = True
-    return params
+    return run(image, params)
 
 
-def detect(image):
-    """Return x, y, semi_major, semi_minor, angle of every circle and ellipse found."""
+def run(image, params):
+    """Detect with given settings."""
     detector = cv2.ximgproc.createEdgeDrawing()
-    detector.setParams(parameters())
+    detector.setParams(params)
     gray = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     detector.detectEdges(gray)
-    found = detector.detectEllipses()
-    return rows(found)
+    return rows(detector.detectEllipses())
 
 
 def rows(found):

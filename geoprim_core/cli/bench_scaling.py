@@ -42,9 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--max-width", type=int, default=SIZES[-1][0], help="widest image [px] (4096)"
     )
-    parser.add_argument(
-        "--max-arcs", type=int, default=ARC_COUNTS[-1], help="most arcs (20000)"
-    )
+    parser.add_argument("--max-arcs", type=int, default=ARC_COUNTS[-1], help="most arcs (20000)")
     parser.add_argument("--repeat", type=int, default=3, help="runs a size; the least counts (3)")
     parser.add_argument("--output", type=Path, metavar="DIR", help="write Markdown and plots")
     parser.add_argument("--quiet", action="store_true", help="show no progress bar")

@@ -151,9 +151,7 @@ def write_files(folder: Path, files: dict[str, Callable[[Path], object]]) -> Non
     print(f"\nwritten to {folder}: {', '.join(files)}")
 
 
-def comparison_files(
-    comparison: Comparison, markdown: str
-) -> dict[str, Callable[[Path], object]]:
+def comparison_files(comparison: Comparison, markdown: str) -> dict[str, Callable[[Path], object]]:
     """Return name -> writer of a comparison's tables and plots."""
     files: dict[str, Callable[[Path], object]] = {
         "scores.md": lambda path: path.write_text(markdown),

@@ -108,7 +108,8 @@ def _evaluate_images(arguments: argparse.Namespace) -> None:
 def _detector(arguments: argparse.Namespace) -> DetectorUnderTest:
     if arguments.detector is None:
         return OwnDetector("geoprim", detector_params(arguments))
-    return Peer(arguments.detector, arguments.detector, python=arguments.detector_python)
+    name = arguments.detector.rpartition(":")[2]
+    return Peer(name, arguments.detector, python=arguments.detector_python)
 
 
 def _markdown(comparison: Comparison, worst: int) -> str:

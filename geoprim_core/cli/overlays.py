@@ -33,9 +33,7 @@ def _file_name(m: Measurement, rank: int) -> str:
 
 def _writer(m: Measurement, images: BenchmarkImages, overlap: float) -> Callable[[Path], object]:
     def write(path: Path) -> None:
-        axes = plot_matching(
-            images.image_of(m.truth), m.run.ellipses, m.truth, m.matching(overlap)
-        )
+        axes = plot_matching(images.image_of(m.truth), m.run.ellipses, m.truth, m.matching(overlap))
         score = m.score(overlap).score
         value = f"recall {score.recall:.3f}" if m.truth.recall_only else f"F {score.f_measure:.3f}"
         axes.set_title(f"{m.truth.name}: {m.detector}, {value} at {overlap:g}", fontsize=9)

@@ -179,15 +179,15 @@ _VARIANTS = {
 def _discs(
     count: int, seed: int, backgrounds: Backgrounds
 ) -> Iterator[tuple[str, int | None, Scene]]:
+    # Where the backgrounds are a multiple of the targets, each round begins with another target.
+    step = max(len(backgrounds), 1) if len(backgrounds) % len(TARGETS) == 0 else count
     for k in range(count):
         random = np.random.default_rng([seed, k, 17])
         ground = list(backgrounds)[k % len(backgrounds)] if backgrounds else "smooth"
         image = backgrounds[ground] if backgrounds else smooth_ground(seed + k)
-        target = TARGETS[(k // max(len(backgrounds), 1) + k) % len(TARGETS)]
+        target = TARGETS[(k + (k // step if backgrounds else 0)) % len(TARGETS)]
         noise, blur, shading = random.uniform((0, 0, 0), (8, 1.2, 0.5))
-        scene = disc_scene(
-            image, seed + k, target=target, noise=noise, blur=blur, shading=shading
-        )
+        scene = disc_scene(image, seed + k, target=target, noise=noise, blur=blur, shading=shading)
         yield f"{target}_{ground}_{seed + k}", None, scene
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geoprim_core._check import FloatArray
+from geoprim_core._check import BoolArray, FloatArray
 from geoprim_core.evaluation.comparison import Comparison, Measurement, median_ratio
 from geoprim_core.evaluation.report import ImageScore
 from geoprim_core.evaluation.score import Score, pool
@@ -70,8 +70,8 @@ class ComparisonRow:
         pooled = (score.precision, score.recall, score.f_measure)
         numbers = (*self.means, *pooled, self.median_ms, self.p95_ms, self.time_ratio)
         cells = ["" if math.isnan(v) else round(v, 4) for v in numbers]
-        head = [self.set_name, self.overlap, use, self.detector, self.images]
-        return [*head, score.hits, score.misses, false, *cells, self.failed]
+        counts = [score.hits, score.misses, false, *cells, self.failed]
+        return [self.set_name, self.overlap, use, self.detector, self.images, *counts]
 
 
 def comparison_rows(comparison: Comparison) -> tuple[ComparisonRow, ...]:
@@ -187,24 +187,36 @@ def precision_recall(of: Sequence[Measurement], overlap: float) -> tuple[FloatAr
     >>> precision_recall((), 0.8)[0].tolist()
     []
     """
-    hits, scores, actual = [np.zeros(0, bool)], [np.zeros(0)], 0
-    for m in of:
-        matching = m.matching(overlap)
-        counts = ~matching.dropped
-        score = m.run.score if m.run.score is not None else np.ones(len(m.run.ellipses))
-        hits.append(matching.hit[counts])
-        scores.append(score[counts])
-        actual += int((~matching.uncertain).sum())
-    order = np.argsort(-np.concatenate(scores), kind="stable")
-    falling = np.concatenate(scores)[order]
-    last = np.flatnonzero(np.diff(falling, append=-np.inf))  # equal scores are one threshold
-    true = np.cumsum(np.concatenate(hits)[order])[last]
+    score, hit = scored_detections(of, overlap)
+    order = np.argsort(-score, kind="stable")
+    last = np.flatnonzero(np.diff(score[order], append=-np.inf))  # equal scores: one threshold
+    true = np.cumsum(hit[order])[last]
+    actual = sum(int((~m.matching(overlap).uncertain).sum()) for m in of)
     return true / max(actual, 1), true / (last + 1.0)
 
 
+def scored_detections(of: Sequence[Measurement], overlap: float) -> tuple[FloatArray, BoolArray]:
+    """Return the scores (n,) of all detections that count, and which are a true ellipse (n,).
+
+    A detector without scores has 1 for each. Images that are judged by recall only tell nothing
+    of unmatched detections: leave them out.
+    """
+    scores, hits = [np.zeros(0)], [np.zeros(0, bool)]
+    for m in of:
+        matching = m.matching(overlap)
+        score = m.run.score if m.run.score is not None else np.ones(len(m.run.ellipses))
+        scores.append(score[~matching.dropped])
+        hits.append(matching.hit[~matching.dropped])
+    return np.concatenate(scores), np.concatenate(hits)
+
+
 def worst_images(of: Sequence[Measurement], overlap: float, count: int = 5) -> list[Measurement]:
-    """Return the images with the lowest F, or recall where only that is known, worst first."""
-    return sorted(of, key=lambda m: _merit(m.score(overlap)))[:count]
+    """Return the images with the lowest F, or recall where only that is known, worst first.
+
+    There are fewer where the others are perfect.
+    """
+    wrong = [m for m in of if _merit(m.score(overlap)) < 1]
+    return sorted(wrong, key=lambda m: _merit(m.score(overlap)))[:count]
 
 
 def worst_markdown(of: Sequence[Measurement], overlap: float, count: int = 5) -> str:
@@ -212,7 +224,12 @@ def worst_markdown(of: Sequence[Measurement], overlap: float, count: int = 5) ->
 
     An ellipse is written as centre and semi-axes in pixels.
     """
-    lines = ["| image | F | missed (x, y; axes) | false (x, y; axes; score) |", "|---|---:|---|---|"]
+    if not worst_images(of, overlap, count):
+        return "None: every image is perfect.\n"
+    lines = [
+        "| image | F | missed (x, y; axes) | false (x, y; axes; score) |",
+        "|---|---:|---|---|",
+    ]
     for m in worst_images(of, overlap, count):
         score, matching = m.score(overlap), m.matching(overlap)
         missed = [_words(row) for row in m.truth.ellipses.select(matching.missed).array()]

@@ -129,7 +129,7 @@ class Peer:
         self._command = [os.fspath(python or sys.executable), str(_RUNNER), target]
         self._time_limit = time_limit
         self._process: subprocess.Popen[bytes] | None = None
-        self._complaints: IO[bytes] = tempfile.TemporaryFile()
+        self._complaints: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115, closed by `close`
         problem = self._start()
         if problem:
             self.close()

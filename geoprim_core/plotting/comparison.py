@@ -102,7 +102,9 @@ def plot_time_accuracy(comparison: Comparison, ax: Any | None = None) -> Any:
     Each set is shown at its highest overlap; recall stands for F where only that is known.
     """
     rows = comparison_rows(comparison)
-    highest = {row.set_name: max(r.overlap for r in rows if r.set_name == row.set_name) for row in rows}
+    highest = {
+        row.set_name: max(r.overlap for r in rows if r.set_name == row.set_name) for row in rows
+    }
     shown = [row for row in rows if row.overlap == highest[row.set_name]]
     sets = list(dict.fromkeys((row.set_name, row.recall_only) for row in shown))
     axes = axes_or_new(ax, 7.5, 5.0)
@@ -132,9 +134,7 @@ def _two_legends(axes: Any, detectors: tuple[str, ...], sets: list[str]) -> None
 
 def set_overlaps(comparison: Comparison) -> list[tuple[str, float]]:
     """Return every set with every overlap that it was judged at, in the order of the run."""
-    pairs = (
-        (score.group, score.overlap) for m in comparison.measurements for score in m.scores
-    )
+    pairs = ((score.group, score.overlap) for m in comparison.measurements for score in m.scores)
     return list(dict.fromkeys(pairs))
 
 

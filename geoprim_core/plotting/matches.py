@@ -69,19 +69,16 @@ def plot_matching(
     loose = found.select(matching.false)
     label = f"not judged ({len(loose)})" if truth.recall_only else f"false ({len(loose)})"
     _draw(axes, loose, unmatched, 1.8, "--", label)
-    legend = axes.legend(loc="upper right", fontsize=7, framealpha=0.8, facecolor="#404040")
-    for text in legend.get_texts():
-        text.set_color("white")
+    if axes.lines:
+        style = {"fontsize": 7, "framealpha": 0.8, "facecolor": "#404040", "labelcolor": "white"}
+        axes.legend(loc="upper right", **style)
     return axes
 
 
-def _draw(
-    axes: Any, ellipses: Ellipses, part: str, width: float, style: str, label: str
-) -> None:
+def _draw(axes: Any, ellipses: Ellipses, part: str, width: float, style: str, label: str) -> None:
     before = len(axes.lines)
     for row in ellipses.array():
         x, y = _outline(row)
         axes.plot(x, y, style, color=COLOURS[part], linewidth=width)
     if len(axes.lines) > before:
         axes.lines[-1].set_label(label)
-

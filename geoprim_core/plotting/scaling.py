@@ -42,7 +42,9 @@ def plot_growth(growth: Growth, ax: Any | None = None, *, by_edge_pixels: bool =
             continue
         exponent = fitted_exponent(size, milliseconds)
         style = {"color": "black", "linewidth": 2} if stage == "all" else {}
-        axes.plot(size, milliseconds, marker="o", label=f"{stage}: exponent {exponent:.2f}", **style)
+        axes.plot(
+            size, milliseconds, marker="o", label=f"{stage}: exponent {exponent:.2f}", **style
+        )
     axes.set(xscale="log", yscale="log", xlabel=what, ylabel="ms")
     axes.set_title(growth.name, fontsize=9)
     axes.grid(alpha=0.3, which="both")

@@ -108,7 +108,9 @@ def _apart(random: np.random.Generator, count: int, frame: tuple[int, int]) -> F
     circles = np.zeros((0, 3))
     for _ in range(_TRIALS):
         radius = _radius(random, frame)
-        circle = np.array([random.uniform(0, frame[0] - 1), random.uniform(0, frame[1] - 1), radius])
+        circle = np.array(
+            [random.uniform(0, frame[0] - 1), random.uniform(0, frame[1] - 1), radius]
+        )
         if _inside(circle, frame) and _free(circle, circles, _GAP):
             circles = np.vstack([circles, circle])
         if len(circles) == count:

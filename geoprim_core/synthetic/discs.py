@@ -184,9 +184,7 @@ def _has_room(row: FloatArray, others: FloatArray, width: int, height: int) -> b
     return bool((apart >= others[:, 2] + reach).all())
 
 
-def _paint_rings(
-    random: np.random.Generator, values: FloatArray, rows: list[FloatArray]
-) -> None:
+def _paint_rings(random: np.random.Generator, values: FloatArray, rows: list[FloatArray]) -> None:
     """Paint circles into one another, the outermost in the tone that stands out more."""
     dark, bright = random.uniform(10, 50), random.uniform(205, 245)
     cover = _cover(rows[0], values.shape)
@@ -218,9 +216,12 @@ def _paint_dots(random: np.random.Generator, values: FloatArray) -> FloatArray:
 
 def _plate_cover(plane: FloatArray, half: FloatArray, shape: tuple[int, ...]) -> FloatArray:
     """Return the cover (H, W) of the rectangle -half .. half of a plane."""
-    corners = plane @ np.array(
-        [[sx * half[0], sy * half[1], 1.0] for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-    ).T
+    corners = (
+        plane
+        @ np.array(
+            [[sx * half[0], sy * half[1], 1.0] for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        ).T
+    )
     seen = (corners[:2] / corners[2]).T
     y, x = np.mgrid[: shape[0], : shape[1]].astype(np.float64)
     cover = np.ones(shape[:2])
