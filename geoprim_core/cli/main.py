@@ -22,6 +22,7 @@ COMMANDS = {
     "bench": "measure the speed of the chain, stage by stage",
     "bench detectors": "compare detectors, ours and others: precision, recall, F and time",
     "bench ablation": "measure what each departure from the thesis is worth",
+    "bench stability": "compare F of turned, mirrored, shifted and brightened images",
     "bench scaling": "measure how the time grows with the image and with the number of arcs",
     "warm": "compile the numeric kernels ahead of time",
 }

@@ -33,6 +33,8 @@ class Growth:
     size : (k,) float64
     edge_pixels : (k,) float64
         Number of contour points.
+    found : (k,) float64
+        Number of ellipses found: where it stops to grow, a bound of the work has been reached.
     seconds : (k, 3) float64
         Time of `STAGES`; NaN for a stage that was not run.
     """
@@ -41,6 +43,7 @@ class Growth:
     size_name: str
     size: FloatArray
     edge_pixels: FloatArray
+    found: FloatArray
     seconds: FloatArray
 
     @property
@@ -110,7 +113,7 @@ def measure_images(
             if after_size is not None:
                 after_size()
     table = np.array(rows)
-    return Growth(name, "pixels", table[:, 0], table[:, 1], table[:, 2:])
+    return Growth(name, "pixels", table[:, 0], table[:, 1], table[:, 2], table[:, 3:])
 
 
 def measure_arcs(
@@ -137,11 +140,12 @@ def measure_arcs(
         for count in counts:
             contours = contours_of(count)
             runs = np.array([_time_contours(contours, settings) for _ in range(repeat)])
-            rows.append([count, len(contours.points), np.nan, *runs.min(axis=0)])
+            found, *seconds = runs.min(axis=0)
+            rows.append([count, len(contours.points), found, np.nan, *seconds])
             if after_size is not None:
                 after_size()
     table = np.array(rows)
-    return Growth(name, "arcs", table[:, 0], table[:, 1], table[:, 2:])
+    return Growth(name, "arcs", table[:, 0], table[:, 1], table[:, 2], table[:, 3:])
 
 
 def tiled_image(image: AnyArray) -> Callable[[int, int], AnyArray]:
@@ -221,8 +225,8 @@ def _arc(random: np.random.Generator, width: float) -> tuple[FloatArray, FloatAr
 def growth_markdown(growths: Iterable[Growth]) -> str:
     """Return a Markdown table of the times and of the exponents that fit them."""
     lines = [
-        "| input | size | edge pixels | edges ms | polygons ms | ecc ms | all ms |",
-        "|---|---:|---:|---:|---:|---:|---:|",
+        "| input | size | edge pixels | found | edges ms | polygons ms | ecc ms | all ms |",
+        "|---|---:|---:|---:|---:|---:|---:|---:|",
     ]
     for growth in growths:
         lines += list(_lines(growth))
@@ -231,12 +235,13 @@ def growth_markdown(growths: Iterable[Growth]) -> str:
 
 def _lines(growth: Growth) -> Iterator[str]:
     columns = growth.columns
-    for size, pixels, times in zip(growth.size, growth.edge_pixels, columns * 1e3, strict=True):
-        cells = [growth.name, f"{size:.0f} {growth.size_name}", f"{pixels:.0f}"]
+    for k, times in enumerate(columns * 1e3):
+        counts = f"{growth.edge_pixels[k]:.0f}", f"{growth.found[k]:.0f}"
+        cells = [growth.name, f"{growth.size[k]:.0f} {growth.size_name}", *counts]
         yield _line([*cells, *("" if np.isnan(t) else f"{t:.2f}" for t in times)])
     for what, size in ((growth.size_name, growth.size), ("edge pixels", growth.edge_pixels)):
         exponents = [fitted_exponent(size, columns[:, k]) for k in range(_CHAIN + 1)]
-        cells = [growth.name, f"exponent in {what}", ""]
+        cells = [growth.name, f"exponent in {what}", "", ""]
         yield _line([*cells, *("" if np.isnan(e) else f"{e:.2f}" for e in exponents)])
 
 
@@ -245,20 +250,22 @@ def _line(cells: Iterable[str]) -> str:
 
 
 def _time_image(image: AnyArray, params: DetectorParams) -> list[float]:
-    """Return the number of edge pixels and the seconds of each stage."""
+    """Return the numbers of edge pixels and of ellipses, and the seconds of each stage."""
     start = time.perf_counter()
     contours = extract_contours(image, params.edges)
     edges = time.perf_counter() - start
-    return [len(contours.points), edges, *_time_contours(contours, params)]
+    found, *seconds = _time_contours(contours, params)
+    return [len(contours.points), found, edges, *seconds]
 
 
 def _time_contours(contours: Contours, params: DetectorParams) -> list[float]:
+    """Return the number of ellipses and the seconds of polygons and ECC."""
     clock = [time.perf_counter()]
     polygons = find_polygons(contours, params)
     clock.append(time.perf_counter())
-    detect_from_contours(contours, polygons, params.ecc)
+    found = detect_from_contours(contours, polygons, params.ecc)
     clock.append(time.perf_counter())
-    return [float(step) for step in np.diff(clock)]
+    return [len(found), *(float(step) for step in np.diff(clock))]
 
 
 def _check_counts(sizes: Sequence[object], repeat: int) -> None:

@@ -29,7 +29,7 @@ def plot_growth(growth: Growth, ax: Any | None = None, *, by_edge_pixels: bool =
     Examples
     --------
     >>> sizes = np.array([10.0, 100.0])
-    >>> growth = Growth("a", "arcs", sizes, sizes, np.array([[1.0, 1, 1], [10, 10, 100]]))
+    >>> growth = Growth("a", "arcs", sizes, sizes, sizes, np.array([[1.0, 1, 1], [10, 10, 100]]))
     >>> [text.get_text() for text in plot_growth(growth).get_legend().get_texts()][2]
     'ecc: exponent 2.00'
     """

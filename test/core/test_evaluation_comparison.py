@@ -34,6 +34,7 @@ from geoprim_core.evaluation.comparison_tables import (
 )
 from geoprim_core.evaluation.peers import OwnDetector, Peer, Run, as_bytes, ellipse_rows
 from geoprim_core.evaluation.scaling import fitted_exponent, noise_image, strewn_arcs, tiled_image
+from geoprim_core.evaluation.stability import CHANGES, changed_images, stability_markdown
 from geoprim_core.plotting import (
     plot_alpha,
     plot_growth,
@@ -41,8 +42,8 @@ from geoprim_core.plotting import (
     plot_precision_recall,
     plot_time_accuracy,
 )
-from geoprim_core.synthetic import disc_image
-from geoprim_core.types import Ellipses
+from geoprim_core.synthetic import disc_image, ellipse_image
+from geoprim_core.types import Ellipse, Ellipses
 
 ROOT = Path(__file__).resolve().parents[2]
 DISC = disc_image(120, 100, centre=(60, 50), radius=30)
@@ -386,6 +387,30 @@ def test_without_colour_edges_a_disc_of_equal_lightness_is_lost():
     assert without.startswith("| strongest colour channel | -1.000 |")
 
 
+@pytest.mark.parametrize("name", CHANGES)
+def test_the_truth_of_a_changed_image_lies_on_its_ellipse(name):
+    e = Ellipse(70, 44, 31, 14, 0.6)
+    plain = BenchmarkImage(
+        ellipse_image(130, 90, e, inside=200, outside=0),
+        GroundTruth("e", Ellipses.from_array([[e.x, e.y, e.semi_major, e.semi_minor, e.angle]])),
+    )
+    changed = {i.truth.group: i for i, _ in changed_images([(plain, (0.8,))])}[f" | {name}"]
+    (true,) = changed.truth.ellipses
+    expected = ellipse_image(*changed.image.shape[::-1], true, inside=200, outside=0)
+    scale = 1.01 if name.startswith("gain") else 1.0
+    assert np.abs(changed.image - scale * expected).max() <= 1.5
+
+
+def test_a_detector_that_stands_still_is_found_unstable():
+    """The circle lies right of the middle: mirrored or turned, it is elsewhere."""
+    right = [80, 50, 15, 15, 0.0]
+    still = Told("still", [answer([right])] * 5)
+    plain = BenchmarkImage(DISC, GroundTruth("1", Ellipses.from_array([right]), group="g"))
+    table = stability_markdown(compare_detectors([still], changed_images([(plain, (0.8,))])))
+    row = table.splitlines()[2]
+    assert row == "| g | 0.8 | still | 1.000 | -1.000 | -1.000 | +0.000 | +0.000 | 1.000 |"
+
+
 def test_arcs_for_scaling_carry_the_normal_of_their_curve():
     contours = strewn_arcs(20)
     assert len(contours) == 20
@@ -421,10 +446,11 @@ def test_growth_is_drawn_with_the_exponents_of_its_stages():
 
     size = np.array([10.0, 100, 1000])
     seconds = np.column_stack([np.full(3, np.nan), size, size**2]) * 1e-6
-    growth = Growth("arcs", "arcs", size, 2 * size, seconds)
+    growth = Growth("arcs", "arcs", size, 2 * size, size / 10, seconds)
     labels = [t.get_text() for t in plot_growth(growth).get_legend().get_texts()]
+    assert "| arcs | 100 arcs | 200 | 10 |  | 0.10 |" in growth_markdown([growth])
     assert labels[:2] == ["polygons: exponent 1.00", "ecc: exponent 2.00"]
-    assert "| arcs | exponent in arcs |  |  | 1.00 | 2.00 |" in growth_markdown([growth])
+    assert "| arcs | exponent in arcs |  |  |  | 1.00 | 2.00 |" in growth_markdown([growth])
 
 
 def test_our_detector_answers_a_set_without_a_problem():
