@@ -17,7 +17,11 @@ from geoprim_core.cli.overlays import write_overlays
 from geoprim_core.ecc import TABLE
 from geoprim_core.errors import InputError
 from geoprim_core.evaluation.comparison import Comparison, compare_detectors
-from geoprim_core.evaluation.comparison_tables import comparison_markdown, worst_markdown
+from geoprim_core.evaluation.comparison_tables import (
+    comparison_markdown,
+    summary_markdown,
+    worst_markdown,
+)
 from geoprim_core.evaluation.peers import DetectorUnderTest, Peer, own_detectors
 
 DEFAULT_SETS = ("thesis", "discs", "circles", "noise")
@@ -80,8 +84,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def report_markdown(comparison: Comparison, worst: int) -> str:
-    """Return the table, then the worst images of the first detector at its least overlap."""
-    text = comparison_markdown(comparison)
+    """Return the tables, then the worst images of the first detector at its least overlap."""
+    text = (
+        "F of the images' mean (of the pooled counts), median ms, median time ratio to "
+        f"{comparison.reference}:\n\n{summary_markdown(comparison)}\n"
+        f"In full:\n\n{comparison_markdown(comparison)}"
+    )
     own = comparison.of(comparison.detectors[0])
     for group in dict.fromkeys(m.truth.group for m in own) if worst > 0 else ():
         chosen = [m for m in own if m.truth.group == group]

@@ -142,6 +142,41 @@ def comparison_markdown(comparison: Comparison) -> str:
     return "\n".join(lines) + "\n"
 
 
+def summary_markdown(comparison: Comparison) -> str:
+    """Return a Markdown table with one line a set and one column a detector.
+
+    A cell holds the mean F over the images and in brackets that of the pooled counts (recall
+    where only that is known; the number of false detections where there is nothing to be found),
+    the median milliseconds, and the median ratio of times to the reference.
+
+    Examples
+    --------
+    >>> print(summary_markdown(Comparison(("a",), "a", ())).splitlines()[0])
+    | set | overlap | images | a |
+    """
+    names = " | ".join(comparison.detectors)
+    lines = [f"| set | overlap | images | {names} |"]
+    lines.append("|---|---:|---:|" + "---:|" * len(comparison.detectors))
+    rows = comparison_rows(comparison)
+    for k in range(0, len(rows), len(comparison.detectors)):
+        own = rows[k : k + len(comparison.detectors)]
+        name = own[0].set_name + (" (recall)" if own[0].recall_only else "")
+        cells = [name, f"{own[0].overlap:g}", str(own[0].images), *map(_summary, own)]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _summary(row: ComparisonRow) -> str:
+    score = row.score
+    text = f"{row.means[2]:.3f} ({score.f_measure:.3f})"
+    if score.false is None:
+        text = f"{row.means[1]:.3f} ({score.recall:.3f})"
+    elif not score.actual:
+        text = f"{score.false} false"
+    times = "" if math.isnan(row.median_ms) else f", {row.median_ms:.1f} ms"
+    return text + times + ("" if math.isnan(row.time_ratio) else f", x {row.time_ratio:.2f}")
+
+
 def comparison_csv(comparison: Comparison) -> str:
     """Return the rows as comma-separated values with a heading."""
     return _csv(_COLUMNS, (row.cells() for row in comparison_rows(comparison)))

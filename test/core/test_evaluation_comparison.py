@@ -29,6 +29,7 @@ from geoprim_core.evaluation.comparison_tables import (
     comparison_markdown,
     comparison_rows,
     precision_recall,
+    summary_markdown,
     worst_images,
     worst_markdown,
 )
@@ -143,6 +144,21 @@ def test_images_judged_by_recall_only_have_rows_of_their_own():
     table = list(csv.DictReader(io.StringIO(comparison_csv(found))))
     assert [line["use"] for line in table] == ["full", "recall-only"]
     assert "g (recall only)" in comparison_markdown(found)
+
+
+def test_the_summary_has_a_line_a_set_and_a_column_a_detector():
+    images = [
+        image("1", [A, B]), image("2", [A], recall_only=True), image("3", [], group="noise"),
+    ]  # fmt: skip
+    ours = Told("ours", [answer([A]), answer([A, C]), answer([A])])
+    peer = Told("peer", [answer([B, A], seconds=0.004), answer([]), answer([])])
+    lines = summary_markdown(compare([ours, peer], images)).splitlines()
+    assert lines[0] == "| set | overlap | images | ours | peer |"
+    assert lines[2] == (
+        "| g | 0.8 | 1 | 0.667 (0.667), 1.0 ms, x 0.25 | 1.000 (1.000), 4.0 ms, x 1.00 |"
+    )
+    assert lines[3].startswith("| g (recall) | 0.8 | 1 | 1.000 (1.000), 1.0 ms,")
+    assert lines[4].startswith("| noise | 0.8 | 1 | 1 false, 1.0 ms, x 1.00 | 0 false,")
 
 
 def test_the_precision_recall_curve_follows_the_falling_scores():
