@@ -152,7 +152,10 @@ def write_files(folder: Path, files: dict[str, Callable[[Path], object]]) -> Non
 
 
 def comparison_files(comparison: Comparison, markdown: str) -> dict[str, Callable[[Path], object]]:
-    """Return name -> writer of a comparison's tables and plots."""
+    """Return name -> writer of a comparison's tables and plots; a further plot is a further entry.
+
+    `comparison_tables.scored_detections` gives what a reliability diagram needs.
+    """
     files: dict[str, Callable[[Path], object]] = {
         "scores.md": lambda path: path.write_text(markdown),
         "scores.csv": lambda path: path.write_text(comparison_csv(comparison)),

@@ -75,12 +75,12 @@ def _is_bag(path: Path | None) -> bool:
 
 
 def _evaluate_bag(arguments: argparse.Namespace) -> None:
+    if arguments.overlays is not None:
+        raise InputError("--overlays", "images; a bag's are drawn by `geoprim process`", "a bag")
     overlaps = arguments.overlap or OVERLAPS
     report = score_bag(arguments.path, found=arguments.topic, overlaps=overlaps)
     markdown = report.markdown()
     print(markdown, end="")
-    if arguments.overlays is not None:
-        raise InputError("--overlays", "images; a bag's are drawn by `geoprim process`", "a bag")
     if arguments.output is not None:
         write_files(arguments.output, _report_files(report, markdown))
 
