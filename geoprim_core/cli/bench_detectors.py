@@ -22,6 +22,7 @@ from geoprim_core.evaluation.comparison_tables import (
     summary_markdown,
     worst_markdown,
 )
+from geoprim_core.evaluation.peer_runner import CLOCKS
 from geoprim_core.evaluation.peers import DetectorUnderTest, Peer, own_detectors
 
 DEFAULT_SETS = ("thesis", "discs", "circles", "noise")
@@ -53,6 +54,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--time-limit", type=float, default=30.0, help="longest time of a peer's image [s] (30)"
     )
     parser.add_argument("--repeat", type=int, default=3, help="runs an image; the least counts (3)")
+    parser.add_argument(
+        "--clock",
+        choices=list(CLOCKS),
+        default="elapsed",
+        help="time that passes, or time on the processor, which is steadier on a busy machine",
+    )
     parser.add_argument("--worst", type=int, default=5, help="images listed as the worst (5)")
     parser.add_argument(
         "--output", type=Path, metavar="DIR", help="write the tables as Markdown and CSV, and plots"
@@ -100,14 +107,15 @@ def report_markdown(comparison: Comparison, worst: int) -> str:
 
 
 def _detectors(arguments: argparse.Namespace, stack: ExitStack) -> list[DetectorUnderTest]:
-    detectors: list[DetectorUnderTest] = [*own_detectors(arguments.schemes)]
+    detectors: list[DetectorUnderTest] = [*own_detectors(arguments.schemes, arguments.clock)]
     pythons = _pythons(arguments.peer_python)
     for given in arguments.peer:
         name, equals, target = given.partition("=")
         if not (name and equals and ":" in target):
             raise InputError("--peer", "NAME=MODULE:CALLABLE", repr(given))
         python = pythons.get(name, pythons.get(""))
-        peer = Peer(name, target, python=python, time_limit=arguments.time_limit)
+        limit, clock = arguments.time_limit, arguments.clock
+        peer = Peer(name, target, python=python, time_limit=limit, clock=clock)
         stack.callback(peer.close)
         detectors.append(peer)
     if not detectors:

@@ -1,6 +1,6 @@
 """The other end of `evaluation.peers`: runs one detector in its own Python, which needs only numpy.
 
-    python peer_runner.py MODULE:CALLABLE
+    python peer_runner.py MODULE:CALLABLE [elapsed|processor]
 
 Reads an image (npy) after its length in 8 bytes from standard input; answers with one letter (R:
 rows, E: error), the detector's seconds as a float64, the length in 8 bytes, and the rows (npy) or
@@ -16,11 +16,13 @@ import os
 import struct
 import sys
 import time
+from collections.abc import Callable
 from typing import Any, BinaryIO
 
 import numpy as np
 
 HEAD = "<cdQ"
+CLOCKS = {"elapsed": time.perf_counter, "processor": time.process_time}
 
 
 def load_callable(target: str) -> Any:
@@ -76,16 +78,16 @@ def one_thread() -> None:
             getattr(module, switch)(1)
 
 
-def run_once(detector: Any, image: Any, out: BinaryIO) -> None:
+def run_once(detector: Any, image: Any, out: BinaryIO, clock: Callable[[], float]) -> None:
     """Run the detector on one image and answer with its rows or its error."""
-    start = time.perf_counter()
+    start = clock()
     try:
         rows = np.asarray(detector(image), dtype=np.float64)
-        seconds = time.perf_counter() - start
+        seconds = clock() - start
         answer(out, b"R", seconds, as_npy(rows))
     except Exception as error:  # whatever a foreign detector raises is its answer
         text = f"{type(error).__name__}: {error}"
-        answer(out, b"E", time.perf_counter() - start, text.encode())
+        answer(out, b"E", clock() - start, text.encode())
 
 
 def main() -> int:
@@ -100,10 +102,11 @@ def main() -> int:
         answer(out, b"E", 0.0, f"{type(error).__name__}: {error}".encode())
         return 1
     one_thread()
+    clock = CLOCKS[sys.argv[2] if len(sys.argv) > 2 else "elapsed"]
     answer(out, b"R", 0.0, b"")
     while len(head := read_exactly(sys.stdin.buffer, 8)) == 8:
         content = read_exactly(sys.stdin.buffer, struct.unpack("<Q", head)[0])
-        run_once(detector, np.load(io.BytesIO(content), allow_pickle=False), out)
+        run_once(detector, np.load(io.BytesIO(content), allow_pickle=False), out, clock)
     return 0
 
 

@@ -320,6 +320,15 @@ def test_the_time_of_a_peer_is_that_inside_its_detector(peer_file):
     assert 2 * slow.median_ms / 1e3 < 2 * elapsed
 
 
+def test_sleep_costs_time_but_no_processor(peer_file):
+    peer = Peer("sleeper", f"{peer_file}:sleeper", clock="processor")
+    try:
+        seconds = min(peer.run(tone(0)).seconds for _ in range(2))
+    finally:
+        peer.close()
+    assert seconds < 0.15
+
+
 @pytest.mark.parametrize(
     ("target", "python", "said"),
     [
@@ -370,6 +379,7 @@ def test_what_cannot_be_compared_is_refused():
         lambda: compare([told], [image("1", [A])], reference="e"),
         lambda: compare([told], [image("1", [A])], repeat=0),
         lambda: Peer("p", "a:b", time_limit=0),
+        lambda: Peer("p", "a:b", clock="sundial"),
     ):
         with pytest.raises(InputError):
             call()
