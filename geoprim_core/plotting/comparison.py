@@ -99,9 +99,10 @@ def plot_precision_recall(
 def plot_time_accuracy(comparison: Comparison, ax: Any | None = None) -> Any:
     """Draw mean F against the median time of an image: a colour a detector, a mark a set.
 
-    Each set is shown at its highest overlap; recall stands for F where only that is known.
+    Each set is shown at its highest overlap; recall stands for F where only that is known. Sets
+    with nothing to be found have no F and are left out.
     """
-    rows = comparison_rows(comparison)
+    rows = [row for row in comparison_rows(comparison) if row.score.actual]
     highest = {
         row.set_name: max(r.overlap for r in rows if r.set_name == row.set_name) for row in rows
     }
@@ -115,8 +116,18 @@ def plot_time_accuracy(comparison: Comparison, ax: Any | None = None) -> Any:
         axes.plot(row.median_ms, value, _MARKS[k % len(_MARKS)], color=color, markersize=7)
     _two_legends(axes, comparison.detectors, [_set_label(*s, highest[s[0]]) for s in sets])
     axes.set(xscale="log", xlabel="median ms an image", ylabel="mean F-measure", ylim=(0, 1.02))
+    _round_ticks(axes)
     axes.grid(alpha=0.3, which="both")
     return axes
+
+
+def _round_ticks(axes: Any) -> None:
+    """Write 1, 2, 5, 10, ... at a logarithmic x axis."""
+    low, high = axes.get_xlim()
+    steps = [k * 10.0**power for power in range(-3, 7) for k in (1, 2, 5)]
+    shown = [step for step in steps if low <= step <= high]
+    axes.set_xticks(shown, [f"{step:g}" for step in shown])
+    axes.set_xticks([], minor=True)
 
 
 def _set_label(name: str, recall_only: bool, overlap: float) -> str:
