@@ -29,10 +29,13 @@ class ResultPublisher:
     def publish(self, found: EllipseDetections, source: Any) -> None:
         """Publish what was found with the header of its source.
 
-        Where the objects cannot be sorted, the ellipses go out all the same, the detections are
-        empty and the reason is counted and told.
+        A result that a bound on the work cut short goes out too, is counted and told. Where the
+        objects cannot be sorted, the ellipses go out all the same, the detections are empty and
+        the reason is counted and told.
         """
         self._ellipses.publish(core_message(found, source))
+        if not found.complete:
+            self._node.note_cut_short(found.reason)
         try:
             objects = self._sorting.value.sort(found, self.cameras.of(source))
         except InputError as problem:

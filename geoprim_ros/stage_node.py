@@ -115,6 +115,11 @@ class StageNode(Node):  # type: ignore[misc]
         self.statistics.last_reason = reason
         self.get_logger().warning(reason, throttle_duration_sec=_WARNING_PERIOD_S)
 
+    def note_cut_short(self, reason: str) -> None:
+        """Count a result that is not complete, and say why, not more often than bad frames."""
+        self.statistics.cut_short += 1
+        self.get_logger().warning(f"incomplete: {reason}", throttle_duration_sec=_WARNING_PERIOD_S)
+
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> Any:
         """Change parameters together, or none of them and say why."""
         parameters = [self._typed(p) for p in parameter_list]

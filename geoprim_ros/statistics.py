@@ -26,6 +26,8 @@ class StageStatistics:
         Frames that could not be used.
     unpaired : int
         Messages whose counterpart with the same stamp never came.
+    cut_short : int
+        Frames of which a bound on the work left something out: ellipses may be missing.
     last_reason : str
         Why the last bad frame was bad.
     warm_up_s : float
@@ -37,6 +39,7 @@ class StageStatistics:
     dropped: int = 0
     bad: int = 0
     unpaired: int = 0
+    cut_short: int = 0
     last_reason: str = ""
     warm_up_s: float = 0.0
     seconds: deque[float] = field(default_factory=lambda: deque(maxlen=_WINDOW))
@@ -78,6 +81,7 @@ class StageStatistics:
             "dropped": str(self.dropped),
             "bad": str(self.bad),
             "unpaired": str(self.unpaired),
+            "cut short": str(self.cut_short),
             "last reason": self.last_reason,
             "stage time p50 [ms]": f"{stage[0]:.2f}",
             "stage time p95 [ms]": f"{stage[1]:.2f}",

@@ -43,6 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"geoprim detect: {path}: {problem}", file=sys.stderr)
             failed += 1
             continue
+        if not found.complete:
+            print(f"geoprim detect: {path}: incomplete: {found.reason}", file=sys.stderr)
         if arguments.overlay is not None:
             target = _overlay_path(arguments.overlay, path, len(arguments.images))
             write_image(target, draw_overlay(image, detections=found))
@@ -64,7 +66,10 @@ def as_json(path: Path, found: EllipseDetections) -> dict[str, Any]:
         }
         for i, row in enumerate(found.ellipses.array())
     ]
-    return {"image": str(path), "width": size[0], "height": size[1], "ellipses": rows}
+    return {
+        "image": str(path), "width": size[0], "height": size[1],
+        "complete": found.complete, "reason": found.reason, "ellipses": rows,
+    }  # fmt: skip
 
 
 def as_table(path: Path, found: EllipseDetections) -> str:

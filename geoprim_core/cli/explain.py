@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import sys
 from dataclasses import asdict, fields
 from pathlib import Path
 
@@ -37,5 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
             writer.writerows(asdict(h) for h in explained.hypotheses)
     except OSError as problem:
         raise FileError(f"cannot write {table}: {problem.strerror}") from None
+    if not explained.detections.complete:
+        print(f"incomplete: {explained.detections.reason}", file=sys.stderr)
     print(f"{table}: {len(explained.hypotheses)} judged, {len(explained.detections)} reported")
     return 0

@@ -11,6 +11,11 @@ from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_fit import add_shifted, fit_moments, offset_of
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
+CLASS_RATIO = 1.5  # longest over shortest arc of one class of lengths
+LEAST_CELL = 16.0  # pixels
+LEVEL = 1e-4  # a border of a search region that rises less is taken as level
+CELL_ARCS = 2.0  # side of a cell in mean distances of arcs
+
 
 @kernel
 def sees(a: FloatArray, b: FloatArray, slack: float) -> bool:
@@ -99,28 +104,184 @@ def fit_arcs(
 
 
 @kernel
+def length_classes(table: FloatArray) -> IntArray:
+    """Return where each class of arcs of like length starts; the arcs come longest first."""
+    starts = np.empty(len(table) + 1, np.int64)
+    count = 0
+    longest = math.inf
+    for i in range(len(table)):
+        if CLASS_RATIO * table[i, 18] < longest:
+            starts[count] = i
+            longest = table[i, 18]
+            count += 1
+    starts[count] = len(table)
+    return starts[: count + 1].copy()
+
+
+@kernel
 def grid_of(
-    table: FloatArray, width: float, height: float, cell: float
-) -> tuple[int, int, IntArray, IntArray]:
-    """Sort arcs into square cells by their middle: arcs by cell, and where each cell starts."""
-    columns = int(width // cell) + 1
-    rows = int(height // cell) + 1
+    table: FloatArray, classes: IntArray
+) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
+    """Sort the middles of arcs into square cells, those of every class apart.
+
+    Returns left, top and side of the grid; where each cell (class, row, column) starts among the
+    members, which follow row by row; the members; and how many arcs of a class lie in the rows
+    above and the columns to the left (summed area).
+    """
     count = len(table)
-    where = np.empty(count, np.int64)
-    starts = np.zeros(columns * rows + 1, np.int64)
-    for i in range(count):
-        cx = min(columns - 1, max(0, int(table[i, 0] // cell)))
-        cy = min(rows - 1, max(0, int(table[i, 1] // cell)))
-        where[i] = cy * columns + cx
-        starts[where[i] + 1] += 1
-    for k in range(columns * rows):
-        starts[k + 1] += starts[k]
+    left, top = table[:, 0].min(), table[:, 1].min()
+    width, height = table[:, 0].max() - left, table[:, 1].max() - top
+    cell = max(LEAST_CELL, CELL_ARCS * math.sqrt((width + 1.0) * (height + 1.0) / count))
+    columns, rows = int(width / cell) + 1, int(height / cell) + 1
+    starts = np.zeros((len(classes) - 1, rows, columns + 1), np.int64)
+    area = np.zeros((len(classes) - 1, rows + 1, columns + 1), np.int64)
     members = np.empty(count, np.int64)
-    fill = starts[:-1].copy()
-    for i in range(count):
-        members[fill[where[i]]] = i
-        fill[where[i]] += 1
-    return columns, rows, starts, members
+    where = np.empty((count, 2), np.int64)
+    for c in range(len(classes) - 1):
+        tally = np.zeros((rows, columns), np.int64)
+        for i in range(classes[c], classes[c + 1]):
+            where[i, 0] = min(rows - 1, int((table[i, 1] - top) / cell))
+            where[i, 1] = min(columns - 1, int((table[i, 0] - left) / cell))
+            tally[where[i, 0], where[i, 1]] += 1
+        total = classes[c]
+        for y in range(rows):
+            along = 0
+            for x in range(columns):
+                starts[c, y, x] = total
+                total += tally[y, x]
+                along += tally[y, x]
+                area[c, y + 1, x + 1] = area[c, y, x + 1] + along
+            starts[c, y, columns] = total
+        tally[:] = 0
+        for i in range(classes[c], classes[c + 1]):
+            y, x = where[i, 0], where[i, 1]
+            members[starts[c, y, x] + tally[y, x]] = i
+            tally[y, x] += 1
+    return np.array([left, top, cell]), starts, members, area
+
+
+@kernel
+def count_pairs(
+    table: FloatArray, classes: IntArray, grid: FloatArray, area: IntArray, share: float
+) -> float:
+    """Return how many pairs of arcs may be near enough for a share; rather more than too few."""
+    rows, columns = area.shape[1] - 1, area.shape[2] - 1
+    total = 0.0
+    for own in range(len(classes) - 1):
+        for i in range(classes[own], classes[own + 1]):
+            x, y = (table[i, 0] - grid[0]) / grid[2], (table[i, 1] - grid[1]) / grid[2]
+            for c in range(own, len(classes) - 1):
+                reach = 0.5 * (table[i, 18] + table[classes[c], 18]) / (share * grid[2])
+                x0, x1 = max(0, int(x - reach)), min(columns, int(x + reach) + 1)
+                y0, y1 = max(0, int(y - reach)), min(rows, int(y + reach) + 1)
+                number = area[c, y1, x1] - area[c, y0, x1] - area[c, y1, x0] + area[c, y0, x0]
+                total += 0.5 * (number - 1) if c == own else number
+    return total
+
+
+@kernel
+def admitted_share(
+    table: FloatArray,
+    classes: IntArray,
+    grid: FloatArray,
+    area: IntArray,
+    min_share: float,
+    max_pairs: int,
+) -> tuple[float, float]:
+    """Return the least share that leaves `max_pairs` pairs, and the pairs at `min_share`.
+
+    Arcs far apart for their lengths can make up little of an ellipse: they go first.
+    """
+    count = len(table)
+    if 0.5 * count * (count - 1.0) <= max_pairs:
+        return min_share, 0.5 * count * (count - 1.0)
+    every = count_pairs(table, classes, grid, area, min_share)
+    if every <= max_pairs:
+        return min_share, every
+    low, high = min_share, max(2.0, 2.0 * min_share)
+    for _ in range(24):
+        middle = math.sqrt(low * high)
+        if count_pairs(table, classes, grid, area, middle) <= max_pairs:
+            high = middle
+        else:
+            low = middle
+    return high, every
+
+
+@kernel
+def row_range(
+    arc: FloatArray, slack: float, top: float, bottom: float, low: float, high: float
+) -> tuple[float, float]:
+    """Return the part of [low, high] on the rows [top, bottom] in an arc's search region."""
+    for k in range(4):
+        nx, ny = arc[8 + 2 * k], arc[9 + 2 * k]
+        corner = 0 if k == 3 else k  # the chord starts where the arc does
+        limit = arc[2 + 2 * corner] * nx + arc[3 + 2 * corner] * ny - slack
+        limit -= max(ny * top, ny * bottom)
+        if nx > LEVEL:
+            low = max(low, limit / nx)
+        elif nx < -LEVEL:
+            high = min(high, limit / nx)
+        elif limit > LEVEL * max(abs(low), abs(high)):
+            return 1.0, 0.0
+    return low, high
+
+
+@kernel
+def find_partners(
+    table: FloatArray,
+    classes: IntArray,
+    grid: FloatArray,
+    starts: IntArray,
+    members: IntArray,
+    i: int,
+    own: int,
+    share: float,
+    slack: float,
+    drift: float,
+    signed: bool,
+    most: int,
+    partners: IntArray,
+) -> tuple[int, int]:
+    """Write the arcs after arc i that may belong to it; return their number and those looked at.
+
+    Cells outside the circle around the arc or outside its search region are passed over.
+    `drift` is how far the middle that a cell is chosen by may be from that which `sees` tests.
+    """
+    a = table[i]
+    rows, columns = starts.shape[1], starts.shape[2] - 1
+    left, top, cell = grid[0], grid[1], grid[2]
+    looked = count = 0
+    for c in range(own, len(classes) - 1):
+        reach = 0.5 * (a[18] + table[classes[c], 18]) / share
+        y0 = max(0, int((a[1] - reach - top) / cell))
+        y1 = min(rows, int((a[1] + reach - top) / cell) + 1)
+        for y in range(y0, y1):
+            high, low = a[0] + reach, a[0] - reach
+            above = top + y * cell - 1e-6
+            low, high = row_range(a, slack + drift, above, above + cell + 2e-6, low, high)
+            if high < low:
+                continue
+            x0 = max(0, int((low - 1e-6 - left) / cell))
+            x1 = min(columns, int((high + 1e-6 - left) / cell) + 1)
+            if x1 <= x0 or high < left - 1e-6:
+                continue
+            for at in range(starts[c, y, x0], starts[c, y, x1]):
+                j = members[at]
+                if j <= i:
+                    continue
+                b = table[j]
+                dx, dy = a[0] - b[0], a[1] - b[1]
+                near = 0.5 * (a[18] + b[18]) / share
+                if dx * dx + dy * dy > near * near or (signed and a[16] != b[16]):
+                    continue
+                if looked == most:
+                    return count, looked
+                looked += 1
+                if sees(a, b, slack) and sees(b, a, slack):
+                    partners[count] = j
+                    count += 1
+    return count, looked
 
 
 @kernel
@@ -130,80 +291,55 @@ def pair_arcs(
     ends: IntArray,
     table: FloatArray,
     moments: FloatArray,
-    width: float,
-    height: float,
     slack: float,
     max_rms: float,
     min_share: float,
     max_size: float,
     signed: bool,
     max_pairs: int,
-) -> tuple[IntArray, FloatArray, int]:
-    """Return candidates (arc, arc or -1, rank, ellipse) and the number of pairs looked at.
+) -> tuple[IntArray, FloatArray, int, float, float]:
+    """Return candidates (arc, arc or -1), (rank, ellipse), and the work done.
 
     Two arcs make a candidate when each lies in the other's search region and one ellipse fits
     both. Arcs further apart than an ellipse of which they are a share `min_share` are not looked
-    at; arcs come longest first, so that a limit on the pairs drops the shortest.
+    at. The work: the pairs looked at, those that there were (rather more than too few) and the
+    share asked for to keep within `max_pairs`. The arcs come longest first.
     """
-    count = len(table)
-    cell = 48.0
-    columns, rows, starts, members = grid_of(table, width, height, cell)
     arcs = np.empty((1024, 2), np.int64)
     values = np.empty((1024, 6))
-    found = 0
+    found = looked = own = 0
+    if len(table) == 0:
+        return arcs[:0].copy(), values[:0].copy(), 0, 0.0, min_share
+    classes = length_classes(table)
+    grid, starts, members, area = grid_of(table, classes)
+    share, every = admitted_share(table, classes, grid, area, min_share, max_pairs)
+    drift = 0.0
+    for i in range(len(table)):
+        drift = max(drift, math.hypot(table[i, 4] - table[i, 0], table[i, 5] - table[i, 1]))
+    partners = np.empty(len(table), np.int64)
     work = np.empty(25)
     ellipse = np.empty(5)
-    looked = 0
-    for i in range(count):
-        a = table[i]
-        reach = a[18] / min_share
-        low_x = max(0, int((a[0] - reach) // cell))
-        high_x = min(columns - 1, int((a[0] + reach) // cell))
-        low_y = max(0, int((a[1] - reach) // cell))
-        high_y = min(rows - 1, int((a[1] + reach) // cell))
-        for cy in range(low_y, high_y + 1):
-            for at in range(starts[cy * columns + low_x], starts[cy * columns + high_x + 1]):
-                j = members[at]
-                if j < i:
-                    continue
-                looked += 1
-                if looked > max_pairs:
-                    return arcs[:found].copy(), values[:found].copy(), looked
-                b = table[j]
-                points_of = a[18]
-                if j > i:
-                    points_of += b[18]
-                    if signed and a[16] != b[16]:
-                        continue
-                    near = 0.5 * points_of / min_share
-                    dx, dy = a[0] - b[0], a[1] - b[1]
-                    if dx * dx + dy * dy > near * near:
-                        continue
-                    if not (sees(a, b, slack) and sees(b, a, slack)):
-                        continue
-                partner = j if j > i else -1
-                rms = fit_arcs(
-                    points,
-                    order,
-                    ends,
-                    table,
-                    moments,
-                    i,
-                    partner,
-                    max_rms,
-                    max_size,
-                    work,
-                    ellipse,
-                )
-                if not rms < max_rms:
-                    continue
-                if points_of < min_share * perimeter_of(ellipse[2], ellipse[3]):
-                    continue
-                if found == len(arcs):
-                    arcs = np.concatenate((arcs, np.empty_like(arcs)))
-                    values = np.concatenate((values, np.empty_like(values)))
-                arcs[found, 0], arcs[found, 1] = i, partner
-                values[found, 0] = points_of / (0.15 + rms)
-                values[found, 1:] = ellipse
-                found += 1
-    return arcs[:found].copy(), values[:found].copy(), looked
+    for i in range(len(table)):
+        while i >= classes[own + 1]:
+            own += 1
+        count, more = find_partners(
+            table, classes, grid, starts, members, i, own, share, slack, drift, signed,
+            max_pairs - looked, partners,
+        )  # fmt: skip
+        looked += more
+        for k in range(-1, count):
+            j = partners[k] if k >= 0 else -1
+            size = table[i, 18] + (table[j, 18] if j >= 0 else 0.0)
+            rms = fit_arcs(
+                points, order, ends, table, moments, i, j, max_rms, max_size, work, ellipse
+            )
+            if not rms < max_rms or size < min_share * perimeter_of(ellipse[2], ellipse[3]):
+                continue
+            if found == len(arcs):
+                arcs = np.concatenate((arcs, np.empty_like(arcs)))
+                values = np.concatenate((values, np.empty_like(values)))
+            arcs[found, 0], arcs[found, 1] = i, j
+            values[found, 0] = size / (0.15 + rms)
+            values[found, 1:] = ellipse
+            found += 1
+    return arcs[:found].copy(), values[:found].copy(), looked, every, share

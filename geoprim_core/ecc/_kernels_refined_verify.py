@@ -212,9 +212,9 @@ def verify(
     Returns the ellipses that pass; their figures: evidence, coverage, share of the turn covered,
     rms, crossing points per supporting one, length in pixels; offsets and indices of their
     supporting points; the candidate each came from; and the number of candidates looked at
-    closely. An ellipse with evidence `polish` is refitted once more, robustly; one with evidence
-    `sure` and half its outline covered takes its arcs. Two arcs that both failed `max_tries` times
-    are left alone.
+    closely, one more than `max_count` where that left a candidate out. An ellipse with evidence
+    `polish` is refitted once more, robustly; one with evidence `sure` and half its outline covered
+    takes its arcs. Two arcs that both failed `max_tries` times are left alone.
     """
     total = len(points)
     room = min(len(arcs), max_count)
@@ -245,6 +245,7 @@ def verify(
         if share < 0.6 * limits[MIN_COVERAGE] or unpromising(share, ellipse, polish):
             continue
         if walked == max_count:
+            walked += 1
             break
         walked += 1
         count = improve(

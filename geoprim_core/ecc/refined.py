@@ -24,7 +24,7 @@ sure ellipses take their arcs           0, half of the time         0, half of t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -141,7 +141,26 @@ def trace_refined(
     verified = verify(edges, arcs, candidates, settings)
     selection = select(edges, verified, settings)
     detections = refit_chosen(edges, arcs, verified, selection, contours.image_size, settings)
+    left_out = what_was_left_out(candidates, verified, settings)
+    detections = replace(detections, complete=not left_out, reason=left_out)
     return RefinedTrace(edges, arcs, candidates, verified, selection, detections)
+
+
+def what_was_left_out(candidates: Candidates, verified: Verified, params: RefinedParams) -> str:
+    """Return which bounds on the work left something out and how much, or an empty text."""
+    bounds = []
+    if not candidates.complete:
+        bounds.append(
+            f"max_pairs = {params.max_pairs}: {candidates.pairs} of up to {candidates.possible} "
+            f"pairs of arcs were looked at, those that may make up {candidates.share:.2g} of an "
+            f"ellipse or more"
+        )
+    if not verified.complete:
+        bounds.append(
+            f"max_candidates = {params.max_candidates}: the best of {len(candidates.rank)} "
+            f"candidates were verified until so many had been walked"
+        )
+    return "; ".join(bounds)
 
 
 def select(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Selection:

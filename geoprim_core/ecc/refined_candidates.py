@@ -26,7 +26,12 @@ class Candidates:
         Number of points over scatter.
     ellipses : (C, 5) float64
     pairs : int
-        Number of pairs looked at.
+        Number of pairs whose search regions were looked at.
+    possible : int
+        Number of pairs near enough for their lengths, or a little more.
+    share : float
+        The share of an outline that two arcs so far apart had to be able to make up:
+        `min_pair_share`, or more to keep within `max_pairs`.
     complete : bool
         False where `max_pairs` left pairs out.
     """
@@ -35,6 +40,8 @@ class Candidates:
     rank: FloatArray
     ellipses: FloatArray
     pairs: int
+    possible: int
+    share: float
     complete: bool
 
 
@@ -94,20 +101,21 @@ def pair_arcs(edges: EdgePoints, arcs: SmoothArcs, params: RefinedParams) -> Can
     both within `max_pair_rms`. Their moments are added, so a fit costs the same for long arcs.
     The thesis votes for centres instead; pairs need no bins, and two arcs suffice to start.
 
+    Arcs too far apart to make up a share `min_pair_share` of an ellipse are no pair. Where
+    `max_pairs` do not suffice, that share is raised until they do: the pairs that can make up
+    least of an ellipse go first, wherever they lie in the image.
+
     References
     ----------
     Thesis 5.4.1 (search region), 5.4.2 (associated convexity); Halir and Flusser, Numerically
     stable direct least squares fitting of ellipses (1998).
     """
-    height, width = edges.head.shape
-    members, values, pairs = _pairs.pair_arcs(
+    members, values, looked, possible, share = _pairs.pair_arcs(
         edges.points,
         arcs.indices,
         arcs.offsets,
         arcs.table,
         arcs.moments,
-        float(width),
-        float(height),
         params.region_slack,
         params.max_pair_rms,
         params.min_pair_share,
@@ -115,10 +123,12 @@ def pair_arcs(edges: EdgePoints, arcs: SmoothArcs, params: RefinedParams) -> Can
         edges.signed and params.same_polarity,
         params.max_pairs,
     )
-    order = np.argsort(-values[:, 0], kind="stable")
-    looked = min(int(pairs), params.max_pairs)
+    order = np.lexsort((members[:, 1], members[:, 0], -values[:, 0]))
     ellipses = np.ascontiguousarray(values[order, 1:])
-    return Candidates(members[order], values[order, 0], ellipses, looked, pairs <= params.max_pairs)
+    complete = share <= params.min_pair_share
+    return Candidates(
+        members[order], values[order, 0], ellipses, int(looked), int(possible), share, complete
+    )
 
 
 def verify(
@@ -149,8 +159,9 @@ def verify(
         params.max_tries,
         params.max_candidates,
     )
-    complete = walked < params.max_candidates
-    return Verified(ellipses, figures, offsets, support, source, int(walked), complete)
+    complete = walked <= params.max_candidates
+    walked = min(int(walked), params.max_candidates)
+    return Verified(ellipses, figures, offsets, support, source, walked, complete)
 
 
 def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:

@@ -72,7 +72,8 @@ def trace_scheme(contours: Contours, polygons: Polygons, params: EccParams) -> S
     ----------
     Thesis Figure 5.2-1, 5.6.3, Figure 5.6-2.
     """
-    arcs = longest_arcs(split_arcs(contours, polygons, params.smooth), params.grouping.max_arcs)
+    every = split_arcs(contours, polygons, params.smooth)
+    arcs = longest_arcs(every, params.grouping.max_arcs)
     tangents = arc_tangents(arcs, params.tangent)
     centres = find_centres(arcs, tangents, params.grouping)
     votes = cast_votes(arcs, centres, params.scheme, params.grouping)
@@ -98,8 +99,17 @@ def trace_scheme(contours: Contours, polygons: Polygons, params: EccParams) -> S
         distinct,
         saliency,
         selected,
-        _detections(distinct, saliency, selected, contours.image_size),
+        _detections(
+            distinct, saliency, selected, contours.image_size, _left_out(len(every), len(arcs))
+        ),
     )
+
+
+def _left_out(count: int, grouped: int) -> str:
+    """Return how many arcs `max_arcs` left out, or an empty text."""
+    if grouped == count:
+        return ""
+    return f"max_arcs = {grouped}: the {count - grouped} shortest of {count} arcs were left out"
 
 
 def longest_arcs(arcs: Arcs, limit: int) -> Arcs:
@@ -115,6 +125,7 @@ def _detections(
     saliency: Saliency,
     selected: BoolArray,
     image_size: tuple[int, int] | None,
+    left_out: str,
 ) -> EllipseDetections:
     order = np.argsort(-saliency.mean, kind="stable")
     order = order[selected[order]]
@@ -126,4 +137,6 @@ def _detections(
         saliency.continuity[order],
         np.full((len(order), 5, 5), np.nan),
         image_size,
+        not left_out,
+        left_out,
     )

@@ -192,6 +192,7 @@ class _Run:
         self._draw(results, frame, sequence)
         sequence.frames += 1
         sequence.unsorted += bool(results.unsorted)
+        sequence.cut_short += not results.ellipses.complete
         sequence.contours += len(results.contours)
         sequence.ellipses += len(results.ellipses)
         sequence.objects.update(results.objects.labels)

@@ -31,6 +31,8 @@ class SequenceReport:
         Frames that could not be used; not among `frames`.
     unsorted : int
         Frames whose objects could not be sorted, as the camera is not known.
+    cut_short : int
+        Frames of which a bound on the work left something out.
     contours, ellipses : int
         Sums over the frames.
     objects : Counter
@@ -43,6 +45,7 @@ class SequenceReport:
     frames: int = 0
     bad: int = 0
     unsorted: int = 0
+    cut_short: int = 0
     contours: int = 0
     ellipses: int = 0
     objects: Counter[str] = field(default_factory=Counter)
@@ -98,6 +101,9 @@ class ProcessReport:
         unsorted = sum(s.unsorted for s in self.sequences)
         if unsorted:
             lines.append(f"{unsorted} frames have no objects: a class is in mm, the camera unknown")
+        cut_short = sum(s.cut_short for s in self.sequences)
+        if cut_short:
+            lines.append(f"{cut_short} frames are incomplete: a bound on the work was reached")
         reasons = Counter(bad.reason for bad in self.bad_frames)
         lines += [f"{count} bad frames: {reason}" for reason, count in reasons.most_common()]
         if self.losses:

@@ -74,7 +74,7 @@ def to_wire(
     elif isinstance(value, Polygons):
         name, body = "Polygons", _polygon_fields(value, contours, method)
     elif isinstance(value, EllipseDetections):
-        name, body = "EllipseDetections", {"detections": _ellipse_records(value)}
+        name, body = "EllipseDetections", _ellipse_fields(value)
     elif isinstance(value, Detections):
         name, body = "Detections", {"detections": _object_records(value)}
     else:
@@ -129,6 +129,14 @@ def _polygon_fields(polygons: Polygons, contours: Contours | None, method: str) 
         "offsets": polygons.offsets.astype(np.uint32),
         "closed": polygons.closed.astype(np.uint8),
         "vertices": _float32(polygons.vertices(contours)),
+    }
+
+
+def _ellipse_fields(found: EllipseDetections) -> dict[str, Any]:
+    return {
+        "complete": found.complete,
+        "reason": found.reason,
+        "detections": _ellipse_records(found),
     }
 
 
@@ -221,8 +229,9 @@ def _read_ellipses(message: Any) -> EllipseDetections:
     matrices = np.reshape(covariance, (len(found), 5, 5))
     score, coverage, alignment, continuity = _columns(found, _EVIDENCE).T
     return EllipseDetections(
-        ellipses, score, coverage, alignment, continuity, matrices, _image_size(message)
-    )
+        ellipses, score, coverage, alignment, continuity, matrices, _image_size(message),
+        bool(message.complete), str(message.reason),
+    )  # fmt: skip
 
 
 def _read_objects(message: Any) -> Detections:

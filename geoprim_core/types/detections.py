@@ -30,6 +30,10 @@ class EllipseDetections(Frozen):
         Covariance of x, y, semi_major, semi_minor (pixels) and angle (radians) from the edge
         residuals; NaN where it is not known.
     image_size : (width, height) in pixels or None
+    complete : bool
+        False where a bound on the work left something out, so that ellipses may be missing.
+    reason : str
+        Which bound, and how much it left out; empty where nothing was.
     """
 
     ellipses: Ellipses
@@ -39,6 +43,8 @@ class EllipseDetections(Frozen):
     continuity: FloatArray
     covariance: FloatArray
     image_size: tuple[int, int] | None = None
+    complete: bool = True
+    reason: str = ""
 
     def __post_init__(self) -> None:
         count = len(self.ellipses)
@@ -50,7 +56,11 @@ class EllipseDetections(Frozen):
         self._set(
             covariance=_check.numbers(self.covariance, "covariance", (count, 5, 5)),
             image_size=_check.image_size(self.image_size),
+            complete=bool(self.complete),
+            reason=str(self.reason),
         )
+        if self.complete and self.reason:
+            raise InputError("reason", "no text where the result is complete", repr(self.reason))
 
     def __len__(self) -> int:
         """Return the number of detections."""
@@ -73,6 +83,8 @@ class EllipseDetections(Frozen):
             self.continuity[chosen],
             self.covariance[chosen],
             self.image_size,
+            self.complete,
+            self.reason,
         )
 
 

@@ -8,7 +8,7 @@ import pytest
 from geoprim_core.cli.main import COMMANDS, main
 from geoprim_core.ecc import DetectorParams
 from geoprim_core.io.images import read_image, write_image
-from geoprim_core.synthetic import disc_image
+from geoprim_core.synthetic import disc_image, thesis_image
 
 
 @pytest.fixture
@@ -52,6 +52,21 @@ def test_detect_prints_a_table(disc, capsys):
     assert first.endswith("disc.png: 1 ellipse")
     assert heading.split() == ["x", "y", "semi_major", "semi_minor", "angle_deg", "score"]
     assert [float(v) for v in row.split()[:2]] == pytest.approx([70.25, 60.5], abs=0.1)
+
+
+def test_detect_says_where_a_bound_on_the_work_was_reached(tmp_path, capsys):
+    path = tmp_path / "busy.png"
+    write_image(path, thesis_image(8, seed=3, kind="overlapping").image)
+    assert main(["detect", str(path), "--json"]) == 0
+    free = capsys.readouterr()
+    assert json.loads(free.out)["complete"]
+    assert json.loads(free.out)["reason"] == free.err == ""
+    assert main(["detect", str(path), "--json", "--ecc.refined.max_candidates", "2"]) == 0
+    tied = capsys.readouterr()
+    assert not json.loads(tied.out)["complete"]
+    reason = json.loads(tied.out)["reason"]
+    assert reason.startswith("max_candidates = 2: ")
+    assert tied.err == f"geoprim detect: {path}: incomplete: {reason}\n"
 
 
 def test_every_scheme_finds_the_disc(disc, capsys):

@@ -96,13 +96,13 @@ def test_polygons_come_back_and_carry_their_vertices(value, data):
     assert_same(from_wire(message), polygons)
 
 
-@given(ellipses(), st.booleans())
+@given(ellipses(), st.booleans(), st.sampled_from([(True, ""), (False, ""), (False, "x = 3")]))
 @settings(max_examples=30, deadline=None)
-def test_ellipse_detections_come_back(drawn, known):
+def test_ellipse_detections_come_back(drawn, known, bound):
     found, random = drawn
     count = len(found)
     covariance = random.normal(size=(count, 5, 5)) if known else np.full((count, 5, 5), np.nan)
-    value = EllipseDetections(found, *random.random((4, count)), covariance, (640, 480))
+    value = EllipseDetections(found, *random.random((4, count)), covariance, (640, 480), *bound)
     record = to_wire(value, STAMP, "camera")
     assert_same(from_wire(record), value)
     assert_same(from_wire(through_cdr(record)), value)
@@ -223,6 +223,7 @@ def test_an_impossible_ellipse_is_refused():
         "EllipseDetection", {"ellipse": ellipse, "covariance": [0.0] * 25, **evidence}
     )
     fields = {"header": header(0, ""), "image_width": 9, "image_height": 9}
+    fields |= {"complete": True, "reason": ""}
     message = Record("geoprim_msgs/msg/EllipseDetections", {**fields, "detections": [detection]})
     with pytest.raises(InputError, match=r"semi_major >= semi_minor"):
         from_wire(message)

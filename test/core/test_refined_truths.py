@@ -178,7 +178,8 @@ def test_the_bounds_on_work_say_when_they_bit(busy):
     assert free.verified.complete
     tied = trace_refined(contours, None, RefinedParams(max_pairs=50))
     assert not tied.candidates.complete
-    assert tied.candidates.pairs == 50
+    assert 0 < tied.candidates.pairs <= 50
+    assert tied.candidates.possible > 50
     tied = trace_refined(contours, None, RefinedParams(max_candidates=3))
     assert not tied.verified.complete
     assert tied.verified.walked == 3

@@ -1,6 +1,7 @@
 """The message definitions speak for themselves, and travel as records say."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from geoprim_core.types import Contours, Detections, EllipseDetections, Ellipses
 from geoprim_ros.conversions import message_class, to_message
 
 UNITS = ("pixel", "radian", "metre", "no unit", "point", "vertex")
-WITHOUT_UNIT = ("header", "method", "label", "closed")
+WITHOUT_UNIT = ("header", "method", "label", "closed", "complete", "reason")
 
 
 def _fields(text):
@@ -55,6 +56,7 @@ def _values():
     polygons = Polygons([0, 2, 0, 1], [0, 2, 4], [True, False], (40, 30))
     yield polygons, {"contours": _contours(), "method": "rdp_mod"}
     yield found, {}
+    yield replace(found, complete=False, reason="max_pairs = 3: 3 of 9 pairs"), {}
     yield EllipseDetections.empty((7, 8)), {}
     outline = np.array([[0, 0], [1, 0], [1, 1], [5, 5], [6, 5], [6, 6]], float)
     yield (

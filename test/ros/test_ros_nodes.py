@@ -17,6 +17,7 @@ from geoprim_core.edges import extract_contours
 from geoprim_core.io.definitions import serialize
 from geoprim_core.io.image_message import image_from_message, image_record
 from geoprim_core.io.wire import from_wire, to_wire
+from geoprim_core.synthetic import thesis_image
 from geoprim_ros.conversions import to_message
 from geoprim_ros.nodes.detector_node import DetectorNode
 from geoprim_ros.nodes.edges_node import EdgesNode
@@ -192,6 +193,20 @@ def test_dropped_frames_are_counted(graph, feed, disc_message):
     graph.spin_until(lambda: len(feed.got["contours"]) == 2)
     assert feed.got["contours"][-1].header.stamp.nanosec == 5
     assert (node.statistics.frames_in, node.statistics.dropped) == (2, 3)
+
+
+def test_a_result_cut_short_says_so_and_is_counted(graph, feed, disc_message):
+    bound = [Parameter("ecc.refined.max_candidates", value=2)]
+    node = graph.add(DetectorNode(context=graph.context, parameter_overrides=bound))
+    reports = graph.collect(feed.node, DiagnosticArray, "/diagnostics")
+    feed.wait("ellipses")
+    assert feed.send(disc_message(1), "ellipses").complete
+    busy = thesis_image(8, seed=3, kind="overlapping").image
+    message = feed.send(to_message(image_record(busy, 2, "camera")), "ellipses")
+    assert not message.complete
+    assert message.reason.startswith("max_candidates = 2: ")
+    assert node.statistics.cut_short == 1
+    graph.spin_until(lambda: _value(reports, node, "cut short") == "1")
 
 
 def test_messages_without_counterpart_are_counted_and_bounded(graph, feed):

@@ -1,0 +1,141 @@
+"""The pairs of arcs of the `refined` scheme: every one that may be, none twice, within bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from geoprim_core.ecc import _kernels_refined_pairs as pairs
+from geoprim_core.ecc.refined import trace_refined
+from geoprim_core.ecc.refined_arcs import gather_edges, split_arcs
+from geoprim_core.ecc.refined_candidates import pair_arcs
+from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.fitting._kernels_shape import perimeter_of
+from geoprim_core.types import Contours
+
+FRAME = (900, 700)
+
+
+def drawn_arcs(seed, count, frame=FRAME):
+    """Return contours of random circular arcs, every third one a part of a common circle."""
+    random = np.random.default_rng(seed)
+    points, angles = [], []
+    for k in range(count):
+        if k % 3 == 0:
+            centre, radius = random.uniform(-20, frame), np.exp(random.uniform(2.3, 5.5))
+        start = random.uniform(0, 2 * np.pi)
+        turn = random.uniform(max(13 / radius, 0.4), 2.5)
+        t = np.arange(start, start + turn, 1 / radius)
+        rim = np.stack([np.cos(t), np.sin(t)], axis=1)
+        place = centre + radius * rim + random.normal(0, 0.1, rim.shape)
+        inside = ((place >= 0) & (place <= np.array(frame) - 1)).all(axis=1)
+        if inside.sum() > 12:
+            points.append(place[inside])
+            angles.append(t[inside])
+    offsets = np.cumsum([0, *map(len, points)])
+    whole = np.concatenate([np.zeros((0, 2)), *points])
+    angle = np.concatenate([np.zeros(0), *angles])
+    closed = np.zeros(len(points), bool)
+    return Contours(np.rint(whole), offsets, closed, frame, whole, angle)
+
+
+def arcs_of(contours, params):
+    edges = gather_edges(contours, params)
+    return edges, split_arcs(edges, contours, params)
+
+
+def all_pairs(edges, arcs, params):
+    """Return arcs -> (rank, ellipse) of all candidates, by trying every pair."""
+    table, found = arcs.table, {}
+    ellipse, work = np.empty(5), np.empty(25)
+    signed = edges.signed and params.same_polarity
+    for i in range(len(table)):
+        for j in range(i, len(table)):
+            a, b = table[i], table[j]
+            size = a[18] + (b[18] if j > i else 0.0)
+            if j > i:
+                far = np.hypot(*(a[:2] - b[:2])) > 0.5 * size / params.min_pair_share
+                if far or (signed and a[16] != b[16]):
+                    continue
+                slack = params.region_slack
+                if not (pairs.sees(a, b, slack) and pairs.sees(b, a, slack)):
+                    continue
+            rms = pairs.fit_arcs(
+                edges.points, arcs.indices, arcs.offsets, table, arcs.moments, i,
+                j if j > i else -1, params.max_pair_rms, params.max_size * edges.diagonal,
+                work, ellipse,
+            )  # fmt: skip
+            outline = perimeter_of(ellipse[2], ellipse[3])
+            if rms < params.max_pair_rms and size >= params.min_pair_share * outline:
+                found[i, j if j > i else -1] = (size / (0.15 + rms), *ellipse)
+    return found
+
+
+def as_dict(candidates):
+    rows = np.column_stack([candidates.rank, candidates.ellipses]).tolist()
+    return dict(zip(map(tuple, candidates.arcs.tolist()), map(tuple, rows), strict=True))
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.integers(0, 2**32 - 1),
+    st.integers(0, 60),
+    st.sampled_from([0.05, 0.07, 0.3, 1.0]),
+    st.sampled_from([0.0, 2.0, 30.0]),
+    st.booleans(),
+)
+def test_the_candidates_are_those_of_trying_every_pair(seed, count, share, slack, polarity):
+    params = RefinedParams(min_pair_share=share, region_slack=slack, same_polarity=polarity)
+    edges, arcs = arcs_of(drawn_arcs(seed, count), params)
+    found = pair_arcs(edges, arcs, params)
+    assert found.complete
+    assert found.share == share
+    assert np.all(np.diff(found.rank) <= 0)
+    assert as_dict(found) == all_pairs(edges, arcs, params)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 3000))
+def test_a_bound_keeps_the_pairs_that_can_make_up_most_of_an_ellipse(seed, most):
+    params = RefinedParams()
+    edges, arcs = arcs_of(drawn_arcs(seed, 80), params)
+    free = as_dict(pair_arcs(edges, arcs, params))
+    tied = pair_arcs(edges, arcs, RefinedParams(max_pairs=most))
+    assert tied.pairs <= most
+    kept = as_dict(tied)
+    assert kept.items() <= free.items()
+    left = free.keys() - kept.keys()
+    if tied.complete:
+        assert not left
+    else:
+        assert tied.share > params.min_pair_share
+        assert tied.possible > most
+    middle, length = arcs.table[:, :2], arcs.table[:, 18]
+    for i, j in left:
+        assert j >= 0  # single arcs are no pairs
+        if tied.pairs < most:  # else even the nearest pairs were too many
+            assert length[[i, j]].sum() < 2 * tied.share * np.hypot(*(middle[i] - middle[j]))
+
+
+def test_the_work_does_not_grow_with_the_square_of_the_arcs():
+    looked = []
+    for count in (500, 1000, 2000, 4000):
+        side = int(40 * np.sqrt(count))  # as crowded as before
+        edges, arcs = arcs_of(drawn_arcs(1, count, (side, side)), RefinedParams())
+        params = RefinedParams(min_pair_share=0.4)
+        looked.append(pair_arcs(edges, arcs, params).pairs / len(arcs))
+    assert max(looked) < 2 * min(looked)  # all pairs: 8 times
+
+
+@pytest.mark.parametrize("most", [1, 10, 100])
+def test_a_ring_in_four_arcs_is_found_within_few_pairs(most):
+    t = np.linspace(0, 2 * np.pi, 400, endpoint=False)
+    ring = np.stack([100 + 60 * np.cos(t), 90 + 60 * np.sin(t)], axis=1)
+    points = np.concatenate([ring[k + 5 : k + 95] for k in range(0, 400, 100)])
+    contours = Contours(
+        np.rint(points), np.arange(0, 361, 90), np.zeros(4, bool), (200, 180), points
+    )
+    trace = trace_refined(contours, None, RefinedParams(max_pairs=most))
+    assert len(trace.detections) == 1
