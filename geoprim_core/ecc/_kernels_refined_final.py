@@ -154,6 +154,7 @@ def finish(
     support: IntArray,
     selected: IntArray,
     max_size: float,
+    min_size: float,
     spread: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the selected ellipses refitted, their covariances and their saliency criteria."""
@@ -168,7 +169,7 @@ def finish(
         chosen = support[offsets[k] : offsets[k + 1]]
         ellipse = ellipses[k].copy()
         moved = unshrunk(points, chosen, ellipse, spread)
-        refit_robustly(moved, np.arange(len(chosen)), ellipse, max_size)
+        refit_robustly(moved, np.arange(len(chosen)), ellipse, max_size, min_size)
         cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
         parameter = np.empty(len(chosen))
         for m in range(len(chosen)):

@@ -278,9 +278,12 @@ def refit(
 
 @kernel
 def refit_robustly(
-    points: FloatArray, chosen: IntArray, ellipse: FloatArray, max_size: float
+    points: FloatArray, chosen: IntArray, ellipse: FloatArray, max_size: float, min_size: float
 ) -> float:
-    """Refit an ellipse in place with weights from the median distance; return their width."""
+    """Refit an ellipse in place with weights from the median distance; return their width.
+
+    A round that leaves the limits of the semi-axes is undone and the last.
+    """
     distances = np.empty(len(chosen))
     row = ellipse.copy()
     width = 0.0
@@ -292,7 +295,7 @@ def refit_robustly(
         width = max(LEAST_WIDTH, TUKEY * MAD * np.median(distances))
         if not refit(points, chosen, len(chosen), row, 2, width):
             break
-        if row[2] > max_size or row[3] < 2.0:
+        if row[2] > max_size or row[3] < min_size:
             break
         ellipse[:] = row
     return width

@@ -257,7 +257,7 @@ def verify(
             tries[max(i, j)] += 1 if j > i else 0
             continue
         if describe(sums, count, ellipse, figures[found]) >= polish:
-            refit_robustly(points, chosen[:count], ellipse, limits[MAX_SIZE])
+            refit_robustly(points, chosen[:count], ellipse, limits[MAX_SIZE], limits[MIN_SEMI])
             reach = limits[REACH] * (1.0 + limits[GROWTH] * ellipse[3])
             count = collect(
                 head, following, points, normals, ellipse, 2.0, reach, limits[MIN_COSINE],

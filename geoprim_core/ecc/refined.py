@@ -221,6 +221,7 @@ def refit_chosen(
         verified.support,
         best,
         params.max_size * edges.diagonal,
+        params.min_semi_minor,
         params.edge_spread if edges.located else 0.0,
     )
     return EllipseDetections(
