@@ -32,12 +32,16 @@ def describe_arcs(
         low, high = ends[i], ends[i + 1]
         size = high - low
         start, end = order[low], order[high - 1]
-        mid = order[low + size // 2]
+        # Of an even number of points the middle is between two: the arc run backwards is the same.
+        mid, other = order[low + size // 2], order[low + (size - 1) // 2]
         row = table[i]
-        row[0], row[1] = points[mid, 0], points[mid, 1]
-        reach = min(5, size // 3)
+        row[0] = 0.5 * (points[mid, 0] + points[other, 0])
+        row[1] = 0.5 * (points[mid, 1] + points[other, 1])
         for part in range(3):
-            at = (low, low + size // 2 - reach // 2, high - reach)[part]
+            reach = min(5, size // 3)
+            if part == 1:
+                reach += (size - reach) % 2
+            at = (low, low + (size - reach) // 2, high - reach)[part]
             x = y = nx = ny = 0.0
             for k in range(at, at + reach):
                 x += points[order[k], 0]

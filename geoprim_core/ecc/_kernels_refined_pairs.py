@@ -59,7 +59,10 @@ def arc_rms(
         return math.inf
     total = 0.0
     for k in range(count):
-        p = order[low + (k * (size - 1)) // (count - 1)]
+        # Backwards from the end in the second half: the same points whichever way the arc runs.
+        back = count - 1 - k
+        at = (min(k, back) * (size - 1)) // (count - 1)
+        p = order[low + (at if k <= back else size - 1 - at)]
         d, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
         total += d * d
     return math.sqrt(total / count)

@@ -76,18 +76,13 @@ def cut_flags(
         turns[k] = math.atan2(ax * by - ay * bx, ax * bx + ay * by)
         cut[k] = abs(turns[k]) > max_turn
     sign = 0.0
-    start = 1
-    if closed:
-        start = 0
-        total = 0.0
-        for k in range(count):
-            total += turns[k]
-        sign = 1.0 if total > 0.0 else -1.0
     previous = -1
-    for k in range(start, count if closed else count - 1):
+    # A ring ends with the corner that it begins with, so that its seam is a side like others.
+    for step in range(0 if closed else 1, count + 1 if closed else count - 1):
+        k = step % count
         here = turns[k]
-        for step in (-1, 1):
-            other = k + step
+        for side in (-1, 1):
+            other = k + side
             if closed or 0 < other < count - 1:
                 here += 0.5 * turns[other % count]
         now = 1.0 if here > 0.0 else -1.0
@@ -174,7 +169,7 @@ def split_contours(
 
 
 @kernel
-def part_fits(
+def part_rms(
     points: FloatArray,
     order: IntArray,
     breaks: IntArray,
@@ -184,8 +179,11 @@ def part_fits(
     max_rms: float,
     work: FloatArray,
     ellipse: FloatArray,
-) -> bool:
-    """Tell whether one ellipse fits an arc from its break i to its break j."""
+) -> float:
+    """Return the rms distance of an arc from its break i to its break j to its own ellipse.
+
+    Infinite where that is over `max_rms`, or where there is no ellipse.
+    """
     first = order[breaks[i]]
     x0, y0 = points[first, 0], points[first, 1]
     reach = 1.0
@@ -197,16 +195,19 @@ def part_fits(
         p = order[breaks[k]]
         add_shifted(work, sides[k], points[p, 0] - x0, points[p, 1] - y0, 1.0 / reach)
     if not fit_moments(work, x0, y0, 1.0 / reach, ellipse):
-        return False
+        return math.inf
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
     size = breaks[j] - breaks[i]
     count = min(24, size + 1)
     total = 0.0
     for k in range(count):
-        p = order[breaks[i] + (k * size) // (count - 1)]
+        back = count - 1 - k
+        at = (min(k, back) * size) // (count - 1)
+        p = order[breaks[i] + (at if k <= back else size - at)]
         d, _, _ = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
         total += d * d
-    return bool(total < count * max_rms * max_rms)
+    rms = math.sqrt(total / count)
+    return rms if rms < max_rms else math.inf
 
 
 @kernel
@@ -220,6 +221,7 @@ def split_misfits(
 ) -> tuple[IntArray, IntArray]:
     """Split the arcs that no ellipse fits: the longest part that one fits first, then the rest.
 
+    Of parts with as many sides that with the most points goes first, whichever way the arc runs.
     Parts begin and end at polygon vertices. Returns indices and offsets as `split_contours`.
     """
     room = 2 * len(order) + 1
@@ -248,16 +250,20 @@ def split_misfits(
             begin, end = stack.pop()
             i, j = begin, end
             span = end - begin
-            found = False
-            while not found and span > 2:
-                for i in range(begin, end - span + 1):
-                    j = i + span
-                    found = part_fits(points, order, breaks, sides, i, j, max_rms, work, ellipse)
-                    if found:
-                        break
-                if not found:
+            least = math.inf
+            longest = 0
+            while least == math.inf and span > 2:
+                for k in range(begin, end - span + 1):
+                    rms = part_rms(
+                        points, order, breaks, sides, k, k + span, max_rms, work, ellipse
+                    )
+                    length = breaks[k + span] - breaks[k]
+                    if rms < math.inf and (length, -rms) > (longest, -least):
+                        longest, least = length, rms
+                        i, j = k, k + span
+                if least == math.inf:
                     span = min(span - 1, (span * 7) // 8)
-            if not found:
+            if least == math.inf:
                 # two sides at most: the longest neighbours
                 best = -1
                 i, j = begin, end

@@ -86,6 +86,15 @@ def probe(
 
 
 @kernel
+def turned(cos: float, sin: float, angle: float) -> tuple[float, float]:
+    """Return the cosine and sine of an angle turned on by a small one."""
+    half = 0.5 * angle
+    grow = 1.0 / (1.0 + half * half)
+    cd, sd = (1.0 - half * half) * grow, 2.0 * half * grow
+    return cos * cd - sin * sd, sin * cd + cos * sd
+
+
+@kernel
 def collect(
     head: Int32Array,
     following: Int32Array,
@@ -113,19 +122,23 @@ def collect(
     a, b = ellipse[2], ellipse[3]
     count = 0
     sums[:] = 0.0
-    ct, st, t = 1.0, 0.0, 0.0
-    while t < 2.0 * math.pi:
-        u, v = a * ct, b * st
+    ct, st, mid_ct, mid_st, turn = 1.0, 0.0, 1.0, 0.0, 0.0
+    side = 3
+    while True:
+        side = (side + 1) % 4
+        if side == 0:  # a step on in the first quarter; the other quarters are its mirror images
+            if ct <= 0.0:
+                break
+            dt = min(0.5, stride / math.sqrt(a * a * st * st + b * b * ct * ct))
+            mid_ct, mid_st = turned(ct, st, 0.5 * dt)
+            dt = min(0.5, stride / math.sqrt(a * a * mid_st * mid_st + b * b * mid_ct * mid_ct))
+            mid_ct, mid_st = turned(ct, st, 0.5 * dt)
+            ct, st = turned(ct, st, dt)
+            turn = a * b * dt / (a * a * mid_st * mid_st + b * b * mid_ct * mid_ct)
+        u = a * mid_ct if side % 2 == 0 else -a * mid_ct
+        v = b * mid_st if side < 2 else -b * mid_st
         px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
         py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
-        norm = math.sqrt(a * a * st * st + b * b * ct * ct)
-        dt = min(stride / norm, 0.5)
-        turn = a * b * dt / (norm * norm)
-        t += dt
-        half = 0.5 * dt
-        grow = 1.0 / (1.0 + half * half)
-        cd, sd = (1.0 - half * half) * grow, 2.0 * half * grow
-        ct, st = ct * cd - st * sd, st * cd + ct * sd
         sums[STEPS] += 1.0
         if px < 1 or py < 1 or px > width - 2 or py > height - 2:
             continue
