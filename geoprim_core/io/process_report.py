@@ -103,7 +103,8 @@ class ProcessReport:
             lines.append(f"{unsorted} frames have no objects: a class is in mm, the camera unknown")
         cut_short = sum(s.cut_short for s in self.sequences)
         if cut_short:
-            lines.append(f"{cut_short} frames are incomplete: a bound on the work was reached")
+            noun = "frame is" if cut_short == 1 else "frames are"
+            lines.append(f"{cut_short} {noun} incomplete: a bound on the work was reached")
         reasons = Counter(bad.reason for bad in self.bad_frames)
         lines += [f"{count} bad frames: {reason}" for reason, count in reasons.most_common()]
         if self.losses:

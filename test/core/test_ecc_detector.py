@@ -124,9 +124,14 @@ def test_images_without_ellipses_do_no_harm(scheme, kind):
 
 def test_the_cap_on_arcs_keeps_the_longest():
     params = DetectorParams.for_scheme("3").updated({"ecc.grouping.max_arcs": 3})
-    whole = trace_detection(busy_image(), DetectorParams.for_scheme("3")).ecc.arcs
-    kept = trace_detection(busy_image(), params).ecc.arcs
-    assert sorted(np.diff(kept.offsets)) == sorted(np.diff(whole.offsets))[-3:]
+    whole = trace_detection(busy_image(), DetectorParams.for_scheme("3"))
+    kept = trace_detection(busy_image(), params)
+    assert sorted(np.diff(kept.ecc.arcs.offsets)) == sorted(np.diff(whole.ecc.arcs.offsets))[-3:]
+    assert whole.detections.complete
+    assert not kept.detections.complete
+    count = len(whole.ecc.arcs)
+    expected = f"max_arcs = 3: the {count - 3} shortest of {count} arcs were left out"
+    assert kept.detections.reason == expected
 
 
 def test_settings_of_the_schemes():

@@ -15,7 +15,7 @@ from geoprim_core.io.process import process_bag
 from geoprim_core.io.record import header, stamp_of
 from geoprim_core.io.wire import from_wire
 from geoprim_core.polygon import approximate
-from geoprim_core.synthetic import disc_image
+from geoprim_core.synthetic import disc_image, thesis_image
 from geoprim_core.types import Camera, Ellipses
 
 CAMERA = Camera(fx=500.0, fy=500.0, cx=79.5, cy=59.5, distance=0.5)  # a pixel a millimetre
@@ -178,6 +178,23 @@ def test_bad_frames_are_counted_with_their_reason_and_do_not_end_the_run(tmp_pat
     assert "bad frames" in report.table()
     out = BagReader(tmp_path / "out.mcap")
     assert [stamp_of(m.decoded) for m in out.messages(["ellipses"])] == [1, 5]
+
+
+def test_frames_that_a_bound_cut_short_say_so_in_the_bag_and_in_the_report(tmp_path):
+    busy = thesis_image(8, seed=3, kind="overlapping").image
+    with BagWriter(tmp_path / "in.mcap") as bag:
+        bag.write("image", image_record(busy, 1, "camera"))
+        bag.write("image", image_record(np.zeros_like(busy), 2, "camera"))
+    params = DetectorParams().updated({"ecc.refined.max_candidates": 2})
+    report = process_bag(tmp_path / "in.mcap", tmp_path / "out.mcap", params=params)
+    assert report.sequences[0].cut_short == 1
+    assert "1 frame is incomplete" in report.table()
+    first, second = BagReader(tmp_path / "out.mcap").messages(["ellipses"])
+    expected = detect_ellipses(busy, params)
+    found = from_wire(first.decoded)
+    assert (found.complete, found.reason) == (expected.complete, expected.reason)
+    assert expected.reason.startswith("max_candidates = 2: ")
+    assert from_wire(second.decoded).complete
 
 
 def test_objects_in_millimetres_without_a_camera_are_not_sorted(tmp_path):

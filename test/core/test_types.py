@@ -1,11 +1,13 @@
 """The data types refuse what contradicts itself and keep what they were given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from geoprim_core import _check
 from geoprim_core.errors import ImageError, InputError
-from geoprim_core.types import Contours, Ellipse, Ellipses, Polygons
+from geoprim_core.types import Contours, Ellipse, EllipseDetections, Ellipses, Polygons
 
 
 def two_contours():
@@ -96,3 +98,12 @@ def test_arguments_are_copied_or_shared_but_never_written():
 def test_what_is_no_image_is_refused_in_one_sentence(image):
     with pytest.raises(ImageError, match=r"^image: expected .*, got "):
         _check.image(image)
+
+
+def test_detections_keep_what_was_left_out_and_a_complete_result_has_no_reason():
+    found = replace(EllipseDetections.empty((9, 8)), complete=False, reason="max_pairs = 1")
+    assert found.select(slice(0, 0)).reason == "max_pairs = 1"
+    assert not found.select(slice(0, 0)).complete
+    assert EllipseDetections.empty().complete
+    with pytest.raises(InputError, match="reason: expected no text where the result is complete"):
+        replace(found, complete=True)
