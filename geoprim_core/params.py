@@ -23,8 +23,9 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, ClassVar, Self, cast
 
 from geoprim_core._check import describe
@@ -190,10 +191,16 @@ def _flattened(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[st
             yield f"{prefix}{name}", value
 
 
+@cache
+def _defaults(wanted: Hashable) -> Any:
+    """Return the default object of a class: frozen, so one serves all; checking takes time."""
+    return cast(type[Any], wanted)()
+
+
 def as_params(value: Any, wanted: type[Any], argument: str = "params") -> Any:
     """Return `value`, a default object for None, or raise for another class."""
     if value is None:
-        return wanted()
+        return _defaults(cast(Hashable, wanted))
     if not isinstance(value, wanted):
         raise ParameterError(argument, f"a {wanted.__name__} or None", describe(value))
     return value

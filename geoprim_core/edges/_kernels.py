@@ -1,4 +1,4 @@
-"""Kernels of the Canny edge map: gradient magnitude, non-maximum suppression, hysteresis."""
+"""Kernels of the Canny edge map: noise, non-maximum suppression, hysteresis."""
 
 from __future__ import annotations
 
@@ -10,66 +10,57 @@ import numpy as np
 from geoprim_core._jit import kernel
 
 HISTOGRAM_BINS = 4096
+WEAK, STRONG = 1, 2
 
 
 @kernel
-def magnitude(dx: Any, dy: Any) -> Any:
-    """Return the gradient magnitude (H, W) float32."""
-    height, width = dx.shape
-    values = np.empty((height, width), np.float32)
-    for y in range(height):
-        along_x, along_y, row = dx[y], dy[y], values[y]
-        for x in range(width):
-            row[x] = math.sqrt(along_x[x] * along_x[x] + along_y[x] * along_y[x])
-    return values
+def median_magnitude(values: Any, largest: Any, least: Any) -> Any:
+    """Return the median of magnitudes in [0, largest], or 0 where it is below `least`.
 
-
-@kernel
-def keep_stronger(best_x: Any, best_y: Any, dx: Any, dy: Any) -> None:
-    """Replace, in place, the gradients (H, W) by others where those are larger.
-
-    The body has no branches, so that it compiles to vector instructions.
+    It is the middle of a bin of a histogram with root-spaced bins. Counting what lies below the
+    bin of `least` is a fraction of the work, and mostly enough.
     """
-    height, width = best_x.shape
-    for y in range(height):
-        bx, by, nx, ny = best_x[y], best_y[y], dx[y], dy[y]
-        for x in range(width):
-            larger = nx[x] * nx[x] + ny[x] * ny[x] > bx[x] * bx[x] + by[x] * by[x]
-            bx[x] = nx[x] if larger else bx[x]
-            by[x] = ny[x] if larger else by[x]
-
-
-@kernel
-def median_magnitude(values: Any, largest: Any) -> Any:
-    """Return the median of magnitudes in [0, largest] from a histogram with root-spaced bins."""
-    counts = np.zeros(HISTOGRAM_BINS, np.int64)
-    scale = np.float32((HISTOGRAM_BINS - 1) / math.sqrt(largest))
     height, width = values.shape
+    scale = np.float32((HISTOGRAM_BINS - 1) / math.sqrt(largest))
+    edge = np.float32((math.floor(math.sqrt(min(least, largest)) * scale) / scale) ** 2 * 0.99999)
+    below = 0
     for y in range(height):
+        row = values[y]
         for x in range(width):
-            counts[int(math.sqrt(values[y, x]) * scale)] += 1
+            below += row[x] < edge
+    if 2 * below >= values.size:
+        return 0.0
+    counts = np.zeros((2, HISTOGRAM_BINS), np.int32)
+    bins = np.empty(width, np.int32)
+    for y in range(height):
+        row = values[y]
+        for x in range(width):
+            bins[x] = np.int32(math.sqrt(row[x]) * scale)
+        for x in range(width):  # two tables: neighbours often fall in the same bin
+            counts[x & 1, bins[x]] += 1
     below = 0
     for k in range(HISTOGRAM_BINS):
-        below += counts[k]
+        below += counts[0, k] + counts[1, k]
         if 2 * below >= values.size:
             return ((k + 0.5) / scale) ** 2 if k else 0.0
     return largest
 
 
 @kernel
-def suppress(values: Any, dx: Any, dy: Any, low: Any, high: Any) -> Any:
-    """Return (H, W) uint8: 0 nothing, 1 a local maximum above `low`, 2 one above `high`.
+def suppress(values: Any, dx: Any, dy: Any, low: Any, high: Any, state: Any) -> Any:
+    """Set the zeros of `state` (H, W) to 1 at maxima above `low`, 2 above `high`; return where.
 
     A maximum exceeds the magnitude one step up the gradient and is not below that one step
     down: of two equal neighbours the brighter side wins, whichever way the image is turned or
     mirrored. The outermost pixels have no such neighbours and stay 0. The body has no
-    branches, so that it compiles to vector instructions.
+    branches, so that it compiles to vector instructions. The places are flat indices, rising.
     """
     height, width = values.shape
     low = np.float32(low)
     high = np.float32(high)
     zero = np.float32(0.0)
-    state = np.zeros((height, width), np.uint8)
+    peaks = np.empty(values.size // 8 + width, np.uint32)
+    size = np.uint64(0)
     for y in range(1, height - 1):
         above, level, below = values[y - 1], values[y], values[y + 1]
         along_x, along_y = dx[y, 1:], dy[y, 1:]
@@ -94,25 +85,61 @@ def suppress(values: Any, dx: Any, dy: Any, low: Any, high: Any) -> Any:
             down = rise_2 if lead > zero else rise_1
             peak = (up > zero) & (down >= zero)
             row[x] = (peak & (here > low)) + (peak & (here > high))
-    return state
+        if np.int64(size) + width > len(peaks):
+            peaks = np.concatenate((peaks, np.empty(len(peaks), np.uint32)))
+        start = y * width + 1
+        for x in range(width - 2):
+            peaks[size] = start + x
+            size += np.uint64(row[x] != 0)
+    return peaks[:size]
 
 
 @kernel
-def spread(state: Any, seeds: Any) -> Any:
-    """Raise to 2, in place, every 1 that is 8-connected to the 2s at the flat indices `seeds`."""
+def around(flat: Any, place: Any, width: Any) -> Any:
+    """Return the eight neighbours' states, or-ed."""
+    states = flat[np.uint64(place - 1)] | flat[np.uint64(place + 1)]
+    for start in (place - width - 1, place + width - 1):
+        for neighbour in (start, start + 1, start + 2):
+            states |= flat[np.uint64(neighbour)]
+    return states
+
+
+@kernel
+def hysteresis(state: Any, peaks: Any) -> Any:
+    """Return the flat indices (N,) uint32 of the strong peaks and the weak ones joined to them.
+
+    Weak ones that are 8-connected to a strong one, if only through others, become strong, in
+    place.
+    """
     width = state.shape[1]
     flat = state.ravel()
-    stack = np.empty(2 * len(seeds) + 16, np.int64)
-    stack[: len(seeds)] = seeds
-    top = len(seeds)
-    while top > 0:
-        top -= 1
-        middle = stack[top]
-        if top + 8 > stack.size:
-            stack = np.concatenate((stack, np.empty(stack.size, np.int64)))
-        for row in (middle - width, middle, middle + width):
-            for place in range(row - 1, row + 2):
-                if flat[place] == 1:
-                    flat[place] = 2
-                    stack[top] = place
-                    top += 1
+    weak = np.empty(len(peaks), np.uint32)
+    size = np.uint64(0)
+    for peak in peaks:  # onwards without branches: that settles most of them
+        flat[peak] |= around(flat, np.int64(peak), width) & STRONG
+        weak[size] = peak
+        size += np.uint64(flat[peak] == WEAK)
+    stack = np.empty(1024, np.int32)
+    for k in range(np.int64(size) - 1, -1, -1):
+        peak = weak[k]
+        if flat[peak] != WEAK or around(flat, np.int64(peak), width) & STRONG == 0:
+            continue
+        flat[peak] = STRONG
+        stack[0] = peak
+        top = 1
+        while top > 0:
+            top -= 1
+            middle = np.int64(stack[top])
+            if top + 8 > stack.size:
+                stack = np.concatenate((stack, np.empty(stack.size, np.int32)))
+            for row in (middle - width, middle, middle + width):
+                for place in range(row - 1, row + 2):
+                    if flat[place] == WEAK:
+                        flat[place] = STRONG
+                        stack[top] = place
+                        top += 1
+    size = np.uint64(0)
+    for peak in peaks:
+        weak[size] = peak
+        size += np.uint64(flat[peak] >= STRONG)
+    return weak[:size]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from geoprim_core._jit import kernel
+from geoprim_core.edges._kernels_pixels import NONE
 
 
 @kernel
@@ -66,12 +67,11 @@ def cut_junctions(lean: Any, xs: Any, ys: Any) -> Any:
 
 
 @kernel
-def follow(parted: Any, index: Any) -> Any:
+def follow(parted: Any, index: Any, count: Any) -> Any:
     """Return links between neighbours of a thin edge map: each pixel in one chain at most."""
     height, width = parted.shape
-    count = 1 + max(-1, index.max())
-    before = np.full(count, -1, np.int32)
-    after = np.full(count, -1, np.int32)
+    before = np.full(count, NONE, np.uint32)
+    after = np.full(count, NONE, np.uint32)
     seen = np.zeros(count, np.bool_)
     for y in range(height):
         for x in range(width):

@@ -1,4 +1,4 @@
-"""Kernels that link edge pixels by their gradient and write the contours."""
+"""Kernels that link edge pixels by their gradient."""
 
 from __future__ import annotations
 
@@ -8,245 +8,202 @@ from typing import Any
 import numpy as np
 
 from geoprim_core._jit import kernel
-from geoprim_core.edges._kernels_pixels import SUBPIXEL_STEPS
+from geoprim_core.edges._kernels_pixels import NONE, NX, NY, OX, OY
 
 EXCESS_SHARE = 0.5
+CHUNK = 1024  # pixels
+DOUBLE_COSINE = 0.9
+APART, UNLINKED = NONE - 1, NONE  # takes no part; no neighbour yet
+
+
+@kernel
+def forward_steps(reach: Any) -> Any:
+    """Return the steps i, j (S, 2) that lead onwards in raster order by at most `reach`."""
+    steps = np.empty((12, 2), np.int64)
+    size = 0
+    for j in range(3):
+        for i in range(-2 if j else 1, 3):
+            if i * i + j * j <= reach * reach:
+                steps[size, 0], steps[size, 1] = i, j
+                size += 1
+    return steps[:size]
+
+
+@kernel
+def find_pairs(first: Any, last: Any, xs: Any, ys: Any, index: Any, table: Any, steps: Any,
+               least: Any, pairs: Any) -> Any:  # fmt: skip
+    """Write from, to, step of the near pixels with alike gradients; return how many they are.
+
+    They follow the pixels from `first` until `last`, in raster order. Every step is written and
+    kept or not: whether there is a pixel is a coin toss, which a branch loses.
+    """
+    stride = index.shape[1]
+    flat = index.ravel()
+    hops = steps[:, 1] * stride + steps[:, 0]
+    near = np.uint64(0)
+    for k in range(first, last):
+        place = np.int64(ys[k]) * stride + xs[k]
+        for s in range(len(hops)):
+            m = flat[np.uint64(place + hops[s])]
+            pairs[near, 0] = k
+            pairs[near, 1] = m
+            pairs[near, 2] = s
+            near += np.uint64(m != NONE)
+    alike = np.uint64(0)
+    for c in range(near):
+        k, m = pairs[c, 0], pairs[c, 1]
+        pairs[alike, 0] = k
+        pairs[alike, 1] = m
+        pairs[alike, 2] = pairs[c, 2]
+        cosine = table[k, NX] * table[m, NX] + table[k, NY] * table[m, NY]
+        alike += np.uint64(cosine >= least)
+    return np.int64(alike)
+
+
+@kernel
+def the_double(table: Any, k: Any, m: Any, i: Any, j: Any) -> Any:
+    """Return which of two pixels that mark the same edge point lies farther from it."""
+    far_k = table[k, OX] * table[k, OX] + table[k, OY] * table[k, OY]
+    far_m = table[m, OX] * table[m, OX] + table[m, OY] * table[m, OY]
+    # In a tie the pixel on the brighter side stays, as in the suppression.
+    tie = far_m == far_k and i * table[k, NX] + j * table[k, NY] > 0.0
+    return k if far_m < far_k or tie else m
 
 
 @kernel
 def find_steps(
-    xs: Any,
-    ys: Any,
-    index: Any,
-    offset: Any,
-    normal: Any,
-    double: Any,
-    turn_cosine: Any,
-    reach: Any,
-    sideways: Any,
+    xs: Any, ys: Any, index: Any, table: Any, turn_cosine: Any, reach: Any, slant: Any
 ) -> Any:
-    """Return the steps that a contour may take: from, to (M,) int32, cost, cosine (M,) float32.
+    """Return the steps that a contour may take, and which pixels are doubles.
 
-    A step leads along the edge, with the brighter side on the right hand as seen on the screen,
-    to a pixel within `reach` whose gradient has at least the cosine `turn_cosine` with its own.
-    Pixels marked `double` take no part.
+    They are: from, to (M,) uint32, cost, cosine (M,) float32; double (N,) bool. A step leads along
+    the edge, with the brighter side on the right hand as seen on the screen, to a pixel within
+    `reach` whose gradient has at least the cosine `turn_cosine` with its own. It goes across the
+    edge by at most `slant` times what it goes along. A double is one of two pixels that mark the
+    same edge point: they lie side by side across the edge with like gradients.
     """
     count = len(xs)
-    height, width = index.shape
-    source = np.empty(count + 16, np.int32)
-    target = np.empty(count + 16, np.int32)
-    figures = np.empty((count + 16, 2), np.float32)
-    size = 0
-    reach_squared = reach * reach
-    for k in range(count):
-        if double[k]:
-            continue
-        x, y = xs[k], ys[k]
-        nx, ny = normal[k, 0], normal[k, 1]
-        if size + 12 > len(source):
-            more = len(source) // 2
-            source = np.concatenate((source, np.empty(more, np.int32)))
-            target = np.concatenate((target, np.empty(more, np.int32)))
-            figures = np.concatenate((figures, np.empty((more, 2), np.float32)))
-        for j in range(min(3, height - y)):
-            for i in range(max(-2 if j else 1, -x), min(3, width - x)):
-                if i * i + j * j > reach_squared:
-                    continue
-                m = index[y + j, x + i]
-                if m < 0 or double[m]:
-                    continue
-                mx, my = normal[m, 0], normal[m, 1]
-                cosine = nx * mx + ny * my
-                if cosine < turn_cosine:
-                    continue
-                ex = i + offset[m, 0] - offset[k, 0]
-                ey = j + offset[m, 1] - offset[k, 1]
-                scale = 1.0 / math.sqrt(2.0 + 2.0 * cosine)
-                along = (ex * (ny + my) - ey * (nx + mx)) * scale
-                across = abs(ex * (nx + mx) + ey * (ny + my)) * scale
-                if across > sideways * abs(along) or abs(along) < 0.3:
-                    continue
-                source[size] = k if along > 0.0 else m
-                target[size] = m if along > 0.0 else k
-                figures[size, 0] = abs(along) + across + 4.0 * (1.0 - cosine)
-                figures[size, 1] = cosine
-                size += 1
-    return source[:size], target[:size], figures[:size, 0].copy(), figures[:size, 1].copy()
+    steps = forward_steps(reach)
+    pairs = np.empty((CHUNK * len(steps) + 1, 3), np.uint32)
+    double = np.zeros(count, np.bool_)
+    source = np.empty(2 * count + len(pairs), np.uint32)
+    target = np.empty(2 * count + len(pairs), np.uint32)
+    cost = np.empty(2 * count + len(pairs), np.float32)
+    cosines = np.empty(2 * count + len(pairs), np.float32)
+    size = np.uint64(0)
+    for start in range(0, count, CHUNK):  # so few that they stay in the cache
+        end = min(start + CHUNK, count)
+        least = min(turn_cosine, DOUBLE_COSINE)
+        found = find_pairs(start, end, xs, ys, index, table, steps, least, pairs)
+        if np.int64(size) + found >= len(source):
+            more = len(source) // 2 + found
+            source = np.concatenate((source, np.empty(more, np.uint32)))
+            target = np.concatenate((target, np.empty(more, np.uint32)))
+            cost = np.concatenate((cost, np.empty(more, np.float32)))
+            cosines = np.concatenate((cosines, np.empty(more, np.float32)))
+        for c in range(found):
+            k, m = pairs[c, 0], pairs[c, 1]
+            i, j = steps[pairs[c, 2], 0], steps[pairs[c, 2], 1]
+            nx, ny = table[k, NX], table[k, NY]
+            mx, my = table[m, NX], table[m, NY]
+            cosine = nx * mx + ny * my
+            ex = i + table[m, OX] - table[k, OX]
+            ey = j + table[m, OY] - table[k, OY]
+            if (ex * ex + ey * ey <= 0.16) & (cosine >= DOUBLE_COSINE):
+                if not (double[k] or double[m]):
+                    double[the_double(table, k, m, i, j)] = True
+            scale = 1.0 / math.sqrt(2.0 + 2.0 * cosine)
+            along = (ex * (ny + my) - ey * (nx + mx)) * scale
+            across = abs(ex * (nx + mx) + ey * (ny + my)) * scale
+            source[size] = k if along > 0.0 else m
+            target[size] = m if along > 0.0 else k
+            cost[size] = abs(along) + across + 4.0 * (1.0 - cosine)
+            cosines[size] = cosine
+            fits = (cosine >= turn_cosine) & (across <= slant * abs(along)) & (abs(along) >= 0.3)
+            size += np.uint64(fits)
+    return source[:size], target[:size], cost[:size], cosines[:size], double
 
 
 @kernel
-def chain(source: Any, target: Any, cost: Any, chosen: Any, before: Any, after: Any) -> None:
-    """Fill in, in place, the pixel before and after each edge pixel on its contour; -1: none.
+def chain(source: Any, target: Any, cost: Any, cosine: Any, double: Any, limits: Any) -> Any:
+    """Return the pixel before and after each edge pixel on its contour, `APART` or above for none.
 
-    Of the chosen steps that are still open the cheapest is taken first: in rounds, those that are
-    the best one both for the pixel they leave and for the one they reach.
+    Of the steps that are still open the cheapest is taken first: in rounds, those that are the
+    best one both for the pixel they leave and for the one they reach. First those with at least
+    the first cosine of `limits`, then those with the next.
     """
-    best_after = np.full(len(after), -1, np.int32)
-    best_before = np.full(len(after), -1, np.int32)
-    open_steps: Any = np.flatnonzero(chosen).astype(np.int32)
-    while True:
-        kept = 0
-        for p in open_steps:
-            first, second = source[p], target[p]
-            if after[first] != -1 or before[second] != -1:
-                continue
-            open_steps[kept] = p
-            kept += 1
-            if best_after[first] < 0 or cost[p] < cost[best_after[first]]:
-                best_after[first] = p
-            if best_before[second] < 0 or cost[p] < cost[best_before[second]]:
-                best_before[second] = p
-        open_steps = open_steps[:kept]
-        if kept == 0:
-            break
-        for p in open_steps:
-            if best_after[source[p]] == p and best_before[target[p]] == p:
-                after[source[p]] = target[p]
-                before[target[p]] = source[p]
-        for p in open_steps:
-            best_after[source[p]] = -1
-            best_before[target[p]] = -1
+    count = len(double)
+    before = np.empty(count, np.uint32)
+    for k in range(count):
+        before[k] = APART if double[k] else UNLINKED
+    after = before.copy()
+    least_after = np.full(count, np.inf, np.float32)  # cost of the best open step from a pixel
+    least_before = np.full(count, np.inf, np.float32)
+    best_after = np.empty(count, np.uint32)
+    best_before = np.empty(count, np.uint32)
+    waiting = np.empty(len(source), np.uint32)
+    for limit in limits:
+        size = np.uint64(0)
+        for p in range(len(source)):
+            waiting[size] = p
+            free = (after[source[p]] == UNLINKED) & (before[target[p]] == UNLINKED)
+            size += np.uint64(free & (cosine[p] >= np.float32(limit)))
+        while size > 0:
+            for p in waiting[:size]:
+                first, second = source[p], target[p]
+                better = cost[p] < least_after[first]
+                best_after[first] = p if better else best_after[first]
+                least_after[first] = cost[p] if better else least_after[first]
+                better = cost[p] < least_before[second]
+                best_before[second] = p if better else best_before[second]
+                least_before[second] = cost[p] if better else least_before[second]
+            for p in waiting[:size]:
+                first, second = source[p], target[p]
+                both = (best_after[first] == p) & (best_before[second] == p)
+                after[first] = second if both else after[first]
+                before[second] = first if both else before[second]
+            kept = np.uint64(0)
+            for p in waiting[:size]:
+                first, second = source[p], target[p]
+                least_after[first] = np.inf
+                least_before[second] = np.inf
+                waiting[kept] = p
+                free = (after[first] == UNLINKED) & (before[second] == UNLINKED)
+                kept += np.uint64(free)
+            size = kept
+    return before, after
 
 
 @kernel
-def bend(normal: Any, k: Any, m: Any) -> Any:
+def bend(angle: Any, k: Any, m: Any) -> Any:
     """Return the signed angle from one gradient to another."""
-    cross = normal[k, 0] * normal[m, 1] - normal[k, 1] * normal[m, 0]
-    return math.atan2(cross, normal[k, 0] * normal[m, 0] + normal[k, 1] * normal[m, 1])
+    turn = np.float64(angle[m]) - np.float64(angle[k])
+    turn = turn - 2.0 * math.pi if turn > math.pi else turn
+    return turn + 2.0 * math.pi if turn < -math.pi else turn
 
 
 @kernel
-def cut_corners(normal: Any, before: Any, after: Any, max_turn: Any) -> None:
+def cut_corners(angle: Any, before: Any, after: Any, max_turn: Any) -> None:
     """Undo, in place, links that turn by over `max_turn` where the contour around them does not.
 
     A link stays where the mean turn of the three links before and the three after it comes
     within half of `max_turn` of its own: a small circle, but not a corner or a crossing.
     """
     for k in range(len(after)):
-        m = after[k]
-        if m < 0:
-            continue
-        turn = bend(normal, k, m)
+        here, m = np.uint32(k), after[k]
+        turn = bend(angle, here, m if m < APART else here)
         if abs(turn) <= max_turn:
             continue
         total = 0.0
-        first, last = k, m
+        first, last = here, m
         for _ in range(3):
-            if before[first] >= 0:
-                total += bend(normal, before[first], first)
+            if before[first] < APART:
+                total += bend(angle, before[first], first)
                 first = before[first]
-            if after[last] >= 0:
-                total += bend(normal, last, after[last])
+            if after[last] < APART:
+                total += bend(angle, last, after[last])
                 last = after[last]
         expected = total / 6.0
         if abs(turn - expected) > EXCESS_SHARE * max_turn:
-            after[k] = -1
-            before[m] = -1
-
-
-@kernel
-def straighten(points: Any, fine: Any, angle: Any) -> Any:
-    """Take the corner pixels out of stairs, in place, and return how many pixels are left.
-
-    A pixel goes where those before and after it touch each other; of two such pixels in a row
-    the one farther from the edge goes.
-    """
-    count = len(points)
-    kept = min(1, count)
-    for k in range(1, count):
-        drop = False
-        if k + 1 < count:
-            drop = (
-                abs(points[k + 1, 0] - points[kept - 1, 0]) <= 1.0
-                and abs(points[k + 1, 1] - points[kept - 1, 1]) <= 1.0
-            )
-        if drop and k + 2 < count:
-            rival = (
-                abs(points[k + 2, 0] - points[k, 0]) <= 1.0
-                and abs(points[k + 2, 1] - points[k, 1]) <= 1.0
-            )
-            if rival:
-                here = (fine[k, 0] - points[k, 0]) ** 2 + (fine[k, 1] - points[k, 1]) ** 2
-                there = (fine[k + 1, 0] - points[k + 1, 0]) ** 2
-                there += (fine[k + 1, 1] - points[k + 1, 1]) ** 2
-                drop = here >= there
-        if not drop:
-            for c in range(2):
-                points[kept, c] = points[k, c]
-                fine[kept, c] = fine[k, c]
-            angle[kept] = angle[k]
-            kept += 1
-    return kept
-
-
-@kernel
-def walk(
-    xs: Any, ys: Any, offset: Any, normal: Any, before: Any, after: Any, min_length: Any
-) -> Any:
-    """Return the contours that the links make: pixels, sub-pixel points, gradients, ends, closed.
-
-    Where a link leaps over a pixel, the pixel nearest to its middle is put in.
-    """
-    count = len(xs)
-    seen = np.zeros(count, np.bool_)
-    room = count
-    for k in range(count):
-        m = after[k]
-        if m >= 0 and (abs(xs[m] - xs[k]) > 1 or abs(ys[m] - ys[k]) > 1):
-            room += 1
-    points = np.empty((room, 2), np.float64)
-    fine = np.empty((room, 2), np.float64)
-    angle = np.empty(room, np.float64)
-    ends = np.empty(count, np.int64)
-    closed = np.empty(count, np.bool_)
-    size = 0
-    curves = 0
-    for turn in range(2):  # open chains from their heads, then what is left: the rings
-        for head in range(count):
-            if seen[head] or (turn == 0 and before[head] >= 0):
-                continue
-            length = 0
-            k = head
-            while k >= 0 and not seen[k]:
-                seen[k] = True
-                m = after[k]
-                leaps = m >= 0 and (abs(xs[m] - xs[k]) > 1 or abs(ys[m] - ys[k]) > 1)
-                length += 2 if leaps else 1
-                k = m
-            if length < min_length:  # most chains in noise: not worth writing
-                continue
-            start = size
-            k = head
-            while True:
-                points[size, 0] = xs[k]
-                points[size, 1] = ys[k]
-                fine[size, 0] = xs[k] + offset[k, 0]
-                fine[size, 1] = ys[k] + offset[k, 1]
-                angle[size] = np.float32(math.atan2(normal[k, 1], normal[k, 0]))
-                size += 1
-                m = after[k]
-                if m >= 0 and (abs(xs[m] - xs[k]) > 1 or abs(ys[m] - ys[k]) > 1):
-                    mid_x = 0.5 * (xs[k] + offset[k, 0] + xs[m] + offset[m, 0])
-                    mid_y = 0.5 * (ys[k] + offset[k, 1] + ys[m] + offset[m, 1])
-                    fine[size, 0] = math.floor(mid_x * SUBPIXEL_STEPS) / SUBPIXEL_STEPS
-                    fine[size, 1] = math.floor(mid_y * SUBPIXEL_STEPS) / SUBPIXEL_STEPS
-                    x = max(xs[k], xs[m]) - 1, min(xs[k], xs[m]) + 1
-                    y = max(ys[k], ys[m]) - 1, min(ys[k], ys[m]) + 1
-                    points[size, 0] = min(max(math.floor(fine[size, 0] + 0.5), x[0]), x[1])
-                    points[size, 1] = min(max(math.floor(fine[size, 1] + 0.5), y[0]), y[1])
-                    tilt = math.atan2(normal[k, 1] + normal[m, 1], normal[k, 0] + normal[m, 0])
-                    angle[size] = np.float32(tilt)
-                    size += 1
-                k = m
-                if k < 0 or k == head:
-                    break
-            size = start + straighten(points[start:size], fine[start:size], angle[start:size])
-            if size - start < min_length:
-                size = start
-                continue
-            near_x = abs(points[size - 1, 0] - points[start, 0]) <= 1.0
-            near_y = abs(points[size - 1, 1] - points[start, 1]) <= 1.0
-            ends[curves] = size
-            closed[curves] = near_x and near_y
-            curves += 1
-    return points[:size], fine[:size], angle[:size], ends[:curves], closed[:curves]
+            after[k] = UNLINKED
+            before[m] = UNLINKED

@@ -9,15 +9,17 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from geoprim_core._check import AnyArray, BoolArray
-from geoprim_core.edges import _kernels
+from geoprim_core._check import AnyArray
+from geoprim_core.edges import _kernels, _kernels_gradient
 from geoprim_core.edges.params import EdgeParams
 
 Float32Array = npt.NDArray[np.float32]
+UInt32Array = npt.NDArray[np.uint32]
 
 _BGR_WEIGHTS = (0.114, 0.587, 0.299)  # ITU-R BT.601 luma
 _KERNEL_SUM = 128
-_STRONG = 2
+_NO_OCTETS = np.zeros((0, 0), np.uint8)
+_NO_LEVELS = np.zeros((0, 0), np.float32)
 _RAYLEIGH_MEDIAN = math.sqrt(2.0 * math.log(2.0))
 
 
@@ -72,46 +74,54 @@ def gaussian_weights(sigma: float) -> Float32Array:
     tail = np.exp(-0.5 * (np.arange(radius, 0, -1) / max(sigma, 1e-9)) ** 2)
     steps = np.rint(np.cumsum(tail) * (_KERNEL_SUM / (1.0 + 2.0 * tail.sum())))
     side = np.diff(steps, prepend=0.0)
+    side = np.trim_zeros(side, "f")
     weights = np.concatenate((side, [_KERNEL_SUM - 2.0 * side.sum()], side[::-1]))
     return weights.astype(np.float32)
 
 
-def image_gradient(image: AnyArray, params: EdgeParams) -> tuple[Float32Array, Float32Array]:
-    """Return the gradients dx, dy (H, W) of an image in levels per pixel.
+def image_gradient(
+    image: AnyArray, params: EdgeParams
+) -> tuple[Float32Array, Float32Array, Float32Array]:
+    """Return the gradient dx, dy and its magnitude (H, W) of an image in levels per pixel.
 
     With `colour` "strongest" that of a colour image is, pixel by pixel, the gradient of the
     channel where it is largest: red fruit on a belt of the same grey has an outline.
     """
     if image.ndim == 2 or params.colour == "gray" or params.equalise:
         return gradient(to_gray(image, equalise=params.equalise), params.sigma)
-    colours = image if image.dtype == np.uint8 else _stretched(image[:, :, :3])
-    channels = cv2.split(np.ascontiguousarray(colours))[:3]
-    dx, dy = gradient(channels[0], params.sigma)
-    for channel in channels[1:]:
-        _kernels.keep_stronger(dx, dy, *gradient(channel, params.sigma))
-    return dx, dy
+    return gradient(image if image.dtype == np.uint8 else _stretched(image[:, :, :3]), params.sigma)
 
 
-def gradient(gray: AnyArray, sigma: float) -> tuple[Float32Array, Float32Array]:
-    """Return the gradients dx, dy (H, W) in grey levels per pixel: Gaussian blur, 3x3 Sobel."""
+def gradient(image: AnyArray, sigma: float) -> tuple[Float32Array, Float32Array, Float32Array]:
+    """Return dx, dy and their magnitude (H, W): Gaussian blur, 3x3 Sobel, strongest channel.
+
+    Parameters
+    ----------
+    image : (H, W), (H, W, 3) or (H, W, 4) uint8 or float32
+    """
+    rows = np.ascontiguousarray(image).reshape(len(image), -1)
+    octets, levels = (rows, _NO_LEVELS) if rows.dtype == np.uint8 else (_NO_OCTETS, rows)
+    channels = 1 if image.ndim == 2 else 3
     weights = gaussian_weights(sigma)
-    border = cv2.BORDER_REPLICATE
-    smooth = cv2.sepFilter2D(gray, cv2.CV_32F, weights, weights, borderType=border)
-    scale = 1.0 / (8.0 * _KERNEL_SUM**2)
-    dx = cv2.Sobel(smooth, cv2.CV_32F, 1, 0, scale=scale, borderType=border)
-    dy = cv2.Sobel(smooth, cv2.CV_32F, 0, 1, scale=scale, borderType=border)
-    return dx, dy
+    half = weights[len(weights) // 2 :]
+    scale = np.float32(1.0 / (8.0 * _KERNEL_SUM**2))
+    # Made here, not in the kernel: numpy asks the system for large pages.
+    dx, dy, values = (np.empty(image.shape[:2], np.float32) for _ in range(3))
+    _kernels_gradient.gradient(octets, levels, channels, half, scale, dx, dy, values)
+    return dx, dy, values
 
 
 def find_edges(
-    dx: Float32Array, dy: Float32Array, params: EdgeParams
-) -> tuple[BoolArray, float, float]:
-    """Return the edge map (H, W) and the low and high threshold in grey levels per pixel."""
-    values = _kernels.magnitude(dx, dy)
+    dx: Float32Array, dy: Float32Array, values: Float32Array, params: EdgeParams
+) -> tuple[UInt32Array, float, float]:
+    """Return the flat indices (N,) of the edge pixels and the low and high threshold.
+
+    The thresholds are in grey levels per pixel, as the gradient and its magnitude `values`.
+    """
     low, high = _thresholds(values, params)
-    state = _kernels.suppress(values, dx, dy, low, high)
-    _kernels.spread(state, np.flatnonzero(state == _STRONG))
-    return state == _STRONG, low, high
+    state = np.zeros(values.shape, np.uint8)
+    peaks = _kernels.suppress(values, dx, dy, low, high, state)
+    return _kernels.hysteresis(state, peaks), low, high
 
 
 def _thresholds(values: Float32Array, params: EdgeParams) -> tuple[float, float]:
@@ -135,7 +145,8 @@ def _automatic(values: Float32Array, largest: float, params: EdgeParams) -> tupl
     typical = float(np.vdot(flat, flat)) / float(flat.sum())
     low, high = params.low_auto * typical, params.high_auto * typical
     if params.noise_factor > 0.0 and high > 0.0:
-        noise = _kernels.median_magnitude(values, largest) / _RAYLEIGH_MEDIAN
+        harmless = high * _RAYLEIGH_MEDIAN / params.noise_factor
+        noise = _kernels.median_magnitude(values, largest, harmless) / _RAYLEIGH_MEDIAN
         lift = max(1.0, params.noise_factor * noise / high)
         low, high = low * lift, high * lift
     return low, high

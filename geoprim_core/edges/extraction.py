@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from geoprim_core import _check
 from geoprim_core._check import AnyArray, BoolArray
 from geoprim_core.edges.canny import Float32Array, find_edges, image_gradient, to_gray
@@ -84,9 +86,11 @@ def trace_edges(image: AnyArray, params: EdgeParams | None = None) -> EdgeTrace:
     params = as_params(params, EdgeParams)
     image = _check.image(image)
     gray = to_gray(image, equalise=params.equalise)
-    dx, dy = image_gradient(image, params)
-    edges, low, high = find_edges(dx, dy, params)
-    pixels = locate_pixels(edges, dx, dy)
+    dx, dy, values = image_gradient(image, params)
+    flat, low, high = find_edges(dx, dy, values, params)
+    edges = np.zeros(dx.shape, np.bool_)
+    edges.ravel()[flat] = True
+    pixels = locate_pixels(flat, dx, dy)
     contours = TABLE[params.linking].function(pixels, params=params)
     return EdgeTrace(gray, dx, dy, low, high, edges, contours)
 
@@ -137,6 +141,6 @@ def extract_contours(image: AnyArray, params: EdgeParams | None = None) -> Conto
 
 def _find_pixels(image: AnyArray, params: EdgeParams) -> EdgePixels:
     """Return the edge pixels; the full-size intermediates are freed before the linking."""
-    dx, dy = image_gradient(_check.image(image), params)
-    edges, _, _ = find_edges(dx, dy, params)
-    return locate_pixels(edges, dx, dy)
+    dx, dy, values = image_gradient(_check.image(image), params)
+    flat, _, _ = find_edges(dx, dy, values, params)
+    return locate_pixels(flat, dx, dy)

@@ -36,6 +36,10 @@ def radii(points: np.ndarray) -> np.ndarray:
     return np.hypot(points[:, 0] - CENTRE[0], points[:, 1] - CENTRE[1])
 
 
+def pixels_of(edges, dx, dy):
+    return locate_pixels(np.flatnonzero(edges).astype(np.uint32), dx, dy)
+
+
 def slices(contours):
     return [slice(a, b) for a, b in zip(contours.offsets[:-1], contours.offsets[1:], strict=True)]
 
@@ -153,7 +157,7 @@ def test_junction_linking_cuts_a_cross_into_its_four_arms():
     edges[15, 5:36] = True
     edges[3:28, 20] = True
     flat = np.ones(edges.shape, np.float32)
-    pixels = locate_pixels(edges, flat, flat)
+    pixels = pixels_of(edges, flat, flat)
     contours = link_without_junctions(pixels, params=EdgeParams())
     assert not contours.closed.any()
     arms = sorted(sorted(map(tuple, c.astype(int).tolist())) for c in contours)
@@ -170,7 +174,7 @@ def test_junction_linking_drops_a_short_branch():
     edges[15, 5:36] = True
     edges[12:15, 20] = True
     flat = np.ones(edges.shape, np.float32)
-    contours = link_without_junctions(locate_pixels(edges, flat, flat), params=EdgeParams())
+    contours = link_without_junctions(pixels_of(edges, flat, flat), params=EdgeParams())
     assert len(contours) == 2
     assert (contours.points[:, 1] == 15).all()
 
@@ -180,7 +184,7 @@ def test_a_missing_pixel_is_put_in():
     edges = trace.edges.copy()
     row = np.flatnonzero(edges[:, 70])[0]
     edges[row - 1 : row + 2, 70] = False
-    contours = link_by_direction(locate_pixels(edges, trace.dx, trace.dy), params=EdgeParams())
+    contours = link_by_direction(pixels_of(edges, trace.dx, trace.dy), params=EdgeParams())
     assert contours.closed.tolist() == [True]
     assert (contours.points == (70, row)).all(axis=1).any()
 
