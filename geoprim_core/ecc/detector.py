@@ -65,6 +65,8 @@ def detect_ellipses(image: AnyArray, params: DetectorParams | None = None) -> El
     """
     chosen: DetectorParams = as_params(params, DetectorParams)
     contours = extract_contours(image, chosen.edges)
+    if chosen.ecc.scheme == "refined":  # reads no polygons
+        return detect_refined(contours, None, chosen.ecc.refined)
     return detect_from_contours(contours, find_polygons(contours, chosen), chosen.ecc)
 
 
