@@ -10,6 +10,7 @@ import numpy as np
 from geoprim_core._jit import kernel
 
 HISTOGRAM_BINS = 4096
+BLOCK = 64  # pixels of a row
 WEAK, STRONG = 1, 2
 
 
@@ -47,50 +48,79 @@ def median_magnitude(values: Any, largest: Any, least: Any) -> Any:
 
 
 @kernel
+def exceeds(values: Any, limit: Any) -> Any:
+    """Return how many values exceed a limit."""
+    count = np.int32(0)
+    for x in range(len(values)):
+        count += np.int32(values[x] > limit)
+    return count
+
+
+@kernel
+def suppress_run(
+    values: Any, dx: Any, dy: Any, y: Any, first: Any, last: Any, low: Any, high: Any, state: Any
+) -> None:
+    """Do what `suppress` does with the pixels first .. last - 1 of row y.
+
+    The body has no branches, so that it compiles to vector instructions.
+    """
+    zero = np.float32(0.0)
+    above, level, below = (
+        values[y - 1, first - 1 :],
+        values[y, first - 1 :],
+        values[y + 1, first - 1 :],
+    )
+    along_x, along_y = dx[y, first:], dy[y, first:]
+    row = state[y, first:]
+    for x in range(last - first):
+        gx = along_x[x]
+        gy = along_y[x]
+        here = level[x + 1]
+        flat = abs(gx) >= abs(gy)
+        major = abs(gx) if flat else abs(gy)
+        minor = abs(gy) if flat else abs(gx)
+        lead = gx if flat else gy
+        same = (gx >= zero) == (gy >= zero)
+        side_1 = level[x + 2] if flat else below[x + 1]
+        side_2 = level[x] if flat else above[x + 1]
+        corner_1 = below[x + 2] if same else (above[x + 2] if flat else below[x])
+        corner_2 = above[x] if same else (below[x] if flat else above[x + 2])
+        # Differences first: equal neighbours then give an exact zero.
+        rise_1 = (major - minor) * (here - side_1) + minor * (here - corner_1)
+        rise_2 = (major - minor) * (here - side_2) + minor * (here - corner_2)
+        up = rise_1 if lead > zero else rise_2
+        down = rise_2 if lead > zero else rise_1
+        peak = (up > zero) & (down >= zero)
+        row[x] = (peak & (here > low)) + (peak & (here > high))
+
+
+@kernel
 def suppress(values: Any, dx: Any, dy: Any, low: Any, high: Any, state: Any) -> Any:
     """Set the zeros of `state` (H, W) to 1 at maxima above `low`, 2 above `high`; return where.
 
     A maximum exceeds the magnitude one step up the gradient and is not below that one step
     down: of two equal neighbours the brighter side wins, whichever way the image is turned or
-    mirrored. The outermost pixels have no such neighbours and stay 0. The body has no
-    branches, so that it compiles to vector instructions. The places are flat indices, rising.
+    mirrored. The outermost pixels have no such neighbours and stay 0. The places are flat
+    indices, rising.
     """
     height, width = values.shape
     low = np.float32(low)
     high = np.float32(high)
-    zero = np.float32(0.0)
     peaks = np.empty(values.size // 8 + width, np.uint32)
     size = np.uint64(0)
     for y in range(1, height - 1):
-        above, level, below = values[y - 1], values[y], values[y + 1]
-        along_x, along_y = dx[y, 1:], dy[y, 1:]
-        row = state[y, 1:]
-        for x in range(width - 2):
-            gx = along_x[x]
-            gy = along_y[x]
-            here = level[x + 1]
-            flat = abs(gx) >= abs(gy)
-            major = abs(gx) if flat else abs(gy)
-            minor = abs(gy) if flat else abs(gx)
-            lead = gx if flat else gy
-            same = (gx >= zero) == (gy >= zero)
-            side_1 = level[x + 2] if flat else below[x + 1]
-            side_2 = level[x] if flat else above[x + 1]
-            corner_1 = below[x + 2] if same else (above[x + 2] if flat else below[x])
-            corner_2 = above[x] if same else (below[x] if flat else above[x + 2])
-            # Differences first: equal neighbours then give an exact zero.
-            rise_1 = (major - minor) * (here - side_1) + minor * (here - corner_1)
-            rise_2 = (major - minor) * (here - side_2) + minor * (here - corner_2)
-            up = rise_1 if lead > zero else rise_2
-            down = rise_2 if lead > zero else rise_1
-            peak = (up > zero) & (down >= zero)
-            row[x] = (peak & (here > low)) + (peak & (here > high))
         if np.int64(size) + width > len(peaks):
             peaks = np.concatenate((peaks, np.empty(len(peaks), np.uint32)))
-        start = y * width + 1
-        for x in range(width - 2):
-            peaks[size] = start + x
-            size += np.uint64(row[x] != 0)
+        for first in range(1, width - 1, BLOCK):
+            last = min(first + BLOCK, width - 1)
+            if not exceeds(values[y, first:last], low):  # flat ground: half of a photograph
+                continue
+            suppress_run(values, dx, dy, y, first, last, low, high, state)
+            row = state[y, first:last]
+            start = y * width + first
+            for x in range(len(row)):
+                peaks[size] = start + x
+                size += np.uint64(row[x] != 0)
     return peaks[:size]
 
 
@@ -115,12 +145,20 @@ def hysteresis(state: Any, peaks: Any) -> Any:
     flat = state.ravel()
     weak = np.empty(len(peaks), np.uint32)
     size = np.uint64(0)
-    for peak in peaks:  # onwards without branches: that settles most of them
-        flat[peak] |= around(flat, np.int64(peak), width) & STRONG
+    for peak in peaks:
         weak[size] = peak
         size += np.uint64(flat[peak] == WEAK)
+    for _ in range(2):  # onwards and back without branches: that settles most of them
+        kept = np.uint64(0)
+        for k in range(np.int64(size)):
+            place = np.int64(weak[k])
+            flat[np.uint64(place)] |= around(flat, place, width) & STRONG
+            weak[kept] = place
+            kept += np.uint64(flat[np.uint64(place)] == WEAK)
+        size = kept
+        weak[:size] = weak[:size][::-1].copy()
     stack = np.empty(1024, np.int32)
-    for k in range(np.int64(size) - 1, -1, -1):
+    for k in range(np.int64(size)):
         peak = weak[k]
         if flat[peak] != WEAK or around(flat, np.int64(peak), width) & STRONG == 0:
             continue
