@@ -151,10 +151,10 @@ def hysteresis(state: Any, peaks: Any) -> Any:
     for _ in range(2):  # onwards and back without branches: that settles most of them
         kept = np.uint64(0)
         for k in range(np.int64(size)):
-            place = np.int64(weak[k])
-            flat[np.uint64(place)] |= around(flat, place, width) & STRONG
-            weak[kept] = place
-            kept += np.uint64(flat[np.uint64(place)] == WEAK)
+            peak = weak[k]
+            flat[peak] |= around(flat, np.int64(peak), width) & STRONG
+            weak[kept] = peak
+            kept += np.uint64(flat[peak] == WEAK)
         size = kept
         weak[:size] = weak[:size][::-1].copy()
     stack = np.empty(1024, np.int32)

@@ -76,11 +76,12 @@ def find_steps(
 ) -> Any:
     """Return the steps that a contour may take, and which pixels are doubles.
 
-    They are: from, to (M,) uint32, cost, cosine (M,) float32; double (N,) bool. A step leads along
-    the edge, with the brighter side on the right hand as seen on the screen, to a pixel within
-    `reach` whose gradient has at least the cosine `turn_cosine` with its own. It goes across the
-    edge by at most `slant` times what it goes along. A double is one of two pixels that mark the
-    same edge point: they lie side by side across the edge with like gradients.
+    They are: from, to (M,) uint32, cost (M + 1,), cosine (M,) float32; double (N,) bool. The last
+    cost is infinite, that of no step. A step leads along the edge, with the brighter side on the
+    right hand as seen on the screen, to a pixel within `reach` whose gradient has at least the
+    cosine `turn_cosine` with its own. It goes across the edge by at most `slant` times what it
+    goes along. A double is one of two pixels that mark the same edge point: they lie side by side
+    across the edge with like gradients; the one nearer to the edge stays.
     """
     count = len(xs)
     steps = forward_steps(reach)
@@ -121,7 +122,8 @@ def find_steps(
             cosines[size] = cosine
             fits = (cosine >= turn_cosine) & (across <= slant * abs(along)) & (abs(along) >= 0.3)
             size += np.uint64(fits)
-    return source[:size], target[:size], cost[:size], cosines[:size], double
+    cost[size] = np.inf  # of no step
+    return source[:size], target[:size], cost[: size + np.uint64(1)], cosines[:size], double
 
 
 @kernel
@@ -137,10 +139,8 @@ def chain(source: Any, target: Any, cost: Any, cosine: Any, double: Any, limits:
     for k in range(count):
         before[k] = APART if double[k] else UNLINKED
     after = before.copy()
-    least_after = np.full(count, np.inf, np.float32)  # cost of the best open step from a pixel
-    least_before = np.full(count, np.inf, np.float32)
-    best_after = np.empty(count, np.uint32)
-    best_before = np.empty(count, np.uint32)
+    best_after = np.full(count, len(source), np.uint32)  # best open step from a pixel
+    best_before = best_after.copy()
     waiting = np.empty(len(source), np.uint32)
     for limit in limits:
         size = np.uint64(0)
@@ -151,12 +151,10 @@ def chain(source: Any, target: Any, cost: Any, cosine: Any, double: Any, limits:
         while size > 0:
             for p in waiting[:size]:
                 first, second = source[p], target[p]
-                better = cost[p] < least_after[first]
-                best_after[first] = p if better else best_after[first]
-                least_after[first] = cost[p] if better else least_after[first]
-                better = cost[p] < least_before[second]
-                best_before[second] = p if better else best_before[second]
-                least_before[second] = cost[p] if better else least_before[second]
+                best = best_after[first]
+                best_after[first] = p if cost[p] < cost[best] else best
+                best = best_before[second]
+                best_before[second] = p if cost[p] < cost[best] else best
             for p in waiting[:size]:
                 first, second = source[p], target[p]
                 both = (best_after[first] == p) & (best_before[second] == p)
@@ -165,8 +163,8 @@ def chain(source: Any, target: Any, cost: Any, cosine: Any, double: Any, limits:
             kept = np.uint64(0)
             for p in waiting[:size]:
                 first, second = source[p], target[p]
-                least_after[first] = np.inf
-                least_before[second] = np.inf
+                best_after[first] = len(source)
+                best_before[second] = len(source)
                 waiting[kept] = p
                 free = (after[first] == UNLINKED) & (before[second] == UNLINKED)
                 kept += np.uint64(free)

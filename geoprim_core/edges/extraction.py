@@ -143,4 +143,5 @@ def _find_pixels(image: AnyArray, params: EdgeParams) -> EdgePixels:
     """Return the edge pixels; the full-size intermediates are freed before the linking."""
     dx, dy, values = image_gradient(_check.image(image), params)
     flat, _, _ = find_edges(dx, dy, values, params)
+    del values
     return locate_pixels(flat, dx, dy)

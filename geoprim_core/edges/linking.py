@@ -14,7 +14,7 @@ from geoprim_core.edges import (
     _kernels_pixels,
     _kernels_walk,
 )
-from geoprim_core.edges.canny import Float32Array
+from geoprim_core.edges.canny import Float32Array, UInt32Array
 from geoprim_core.edges.params import EdgeParams
 from geoprim_core.types import Contours
 
@@ -34,15 +34,12 @@ class EdgePixels:
     table : (N, 4) float32
         From the pixel to the edge (x, y), in multiples of 1/256 px, within half a pixel; unit
         vector (x, y) of the grey-level gradient, from dark to bright.
-    angle : (N,) float32
-        Angle of that vector in radians.
     """
 
     x: Int32Array
     y: Int32Array
-    index: npt.NDArray[np.uint32]
+    index: UInt32Array
     table: Float32Array
-    angle: Float32Array
 
     @property
     def image_size(self) -> tuple[int, int]:
@@ -51,7 +48,7 @@ class EdgePixels:
         return width - _kernels_pixels.MARGIN, height - _kernels_pixels.MARGIN
 
 
-def locate_pixels(flat: npt.NDArray[np.uint32], dx: Float32Array, dy: Float32Array) -> EdgePixels:
+def locate_pixels(flat: UInt32Array, dx: Float32Array, dy: Float32Array) -> EdgePixels:
     """Return the edge pixels at rising flat indices with the position and direction of the edge.
 
     References
@@ -63,7 +60,7 @@ def locate_pixels(flat: npt.NDArray[np.uint32], dx: Float32Array, dy: Float32Arr
     margin = _kernels_pixels.MARGIN
     index = np.empty((height + margin, width + margin), np.uint32)
     x, y, table = _kernels_pixels.locate(flat, dx, dy, index)
-    return EdgePixels(x, y, index, table, _kernels_pixels.directions(table))
+    return EdgePixels(x, y, index, table)
 
 
 def link_by_direction(pixels: EdgePixels, *, params: EdgeParams) -> Contours:
@@ -82,8 +79,9 @@ def link_by_direction(pixels: EdgePixels, *, params: EdgeParams) -> Contours:
         x, y, index, table, limits[1], params.reach, slant
     )
     before, after = _kernels_linking.chain(source, target, cost, cosine, double, limits)
-    _kernels_linking.cut_corners(pixels.angle, before, after, math.radians(params.max_turn))
-    return _contours(pixels, before, after, params)
+    angle = _kernels_pixels.directions(table)
+    _kernels_linking.cut_corners(angle, before, after, math.radians(params.max_turn))
+    return _contours(pixels, angle, before, after, params)
 
 
 def link_without_junctions(pixels: EdgePixels, *, params: EdgeParams) -> Contours:
@@ -96,14 +94,19 @@ def link_without_junctions(pixels: EdgePixels, *, params: EdgeParams) -> Contour
     before, after = _kernels_junctions.follow(
         _kernels_junctions.cut_junctions(lean, x, y), pixels.index, len(x)
     )
-    return _contours(pixels, before, after, params)
+    angle = _kernels_pixels.directions(pixels.table)
+    return _contours(pixels, angle, before, after, params)
 
 
 def _contours(
-    pixels: EdgePixels, before: Int32Array, after: Int32Array, params: EdgeParams
+    pixels: EdgePixels,
+    angle: Float32Array,
+    before: UInt32Array,
+    after: UInt32Array,
+    params: EdgeParams,
 ) -> Contours:
-    points, fine, angle, ends, closed = _kernels_walk.walk(
-        pixels.x, pixels.y, pixels.table, pixels.angle, before, after, params.min_length
+    points, fine, tilt, ends, closed = _kernels_walk.walk(
+        pixels.x, pixels.y, pixels.table, angle, before, after, params.min_length
     )
     return Contours(
         points=points,
@@ -111,5 +114,5 @@ def _contours(
         closed=closed,
         image_size=pixels.image_size,
         subpixel=fine if params.subpixel else None,
-        gradient_angle=angle,
+        gradient_angle=tilt,
     )
