@@ -91,7 +91,7 @@ def test_schemes_are_more_and_more_selective():
     assert not (three.eligible & ~three.inside).any()
 
 
-@pytest.mark.parametrize("scheme", THESIS)
+@pytest.mark.parametrize("scheme", SCHEMES)
 def test_detections_come_from_contours_and_polygons_alone(scheme):
     params = DetectorParams.for_scheme(scheme)
     image = busy_image()
