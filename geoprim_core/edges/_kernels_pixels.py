@@ -10,6 +10,7 @@ import numpy as np
 from geoprim_core._jit import kernel
 
 SUBPIXEL_STEPS = 256.0
+ROUNDING = 1.5 * 2.0**52  # a sum of this size has no room for a fraction
 MARGIN = 2  # columns to the right of the index image and rows below it that hold no edge
 NONE = 0xFFFFFFFF
 """No pixel. Indices are unsigned: numba then does not ask at each use whether they count from
@@ -25,27 +26,132 @@ ATAN = (
     -0.0845619304357,
     0.0470734838305,
 )
+CHUNK = 512  # pixels
 OX, OY, NX, NY = range(4)  # columns of the edge table: offset, unit gradient
-
-
-@kernel
-def magnitude_at(dx: Any, dy: Any, place: Any) -> Any:
-    """Return the gradient magnitude at a flat index."""
-    at = np.uint64(place)
-    gx, gy = np.float64(dx[at]), np.float64(dy[at])
-    return math.sqrt(gx * gx + gy * gy)
 
 
 @kernel
 def rounded(value: Any) -> Any:
     """Return a number within 0.5 as the nearest multiple of 1/256, of two the even one.
 
-    Adding 1.5 x 2^52 leaves no room for a fraction; a call of rint costs ten times as much.
+    A call of rint costs ten times as much.
     """
-    steps = (value * SUBPIXEL_STEPS + 6755399441055744.0) - 6755399441055744.0
-    fine = steps / SUBPIXEL_STEPS
+    fine = (value * SUBPIXEL_STEPS + ROUNDING - ROUNDING) / SUBPIXEL_STEPS
     fine = 0.5 if fine > 0.5 else fine
     return -0.5 if fine < -0.5 else fine
+
+
+@kernel
+def look_around(
+    flat: Any, first: Any, last: Any, dx: Any, dy: Any, xs: Any, ys: Any, around: Any
+) -> None:
+    """Write x, y of some pixels and, to `around` (6, n), three gradients of each.
+
+    They are its own and those one step up and one step down the row or the column, whichever is
+    nearer to the gradient; at the border its own three times.
+    """
+    height, width = dx.shape
+    along_x, along_y = dx.ravel(), dy.ravel()
+    y = flat[first] // width
+    end = np.int64((y + 1) * width)
+    for k in range(first, last):
+        place = np.int64(flat[k])
+        while place >= end:
+            y += 1
+            end += width
+        x = place - end + width
+        xs[k] = x
+        ys[k] = y
+        gx, gy = along_x[np.uint64(place)], along_y[np.uint64(place)]
+        level = abs(gx) >= abs(gy)
+        step = 1 if level else width
+        step = step if (gx if level else gy) >= 0.0 else -step
+        inside = (x > 0) & (y > 0) & (x < width - 1) & (y < height - 1)
+        step = step if inside else 0
+        up, down = np.uint64(place + step), np.uint64(place - step)
+        c = k - first
+        around[0, c], around[1, c] = gx, gy
+        around[2, c], around[3, c] = along_x[up], along_y[up]
+        around[4, c], around[5, c] = along_x[down], along_y[down]
+
+
+@kernel
+def length(gx: Any, gy: Any) -> Any:
+    """Return the length of a vector of single precision in double precision."""
+    x, y = np.float64(gx), np.float64(gy)
+    return math.sqrt(x * x + y * y)
+
+
+@kernel
+def crests(around: Any, rows: Any, centred: Any) -> None:
+    """Write offset and unit gradient to `rows` (4, n), and whether the pixel is the largest.
+
+    The body has no branches and no calls, so that it compiles to vector instructions.
+    """
+    own_x, own_y, up_x, up_y, down_x, down_y = (
+        around[0], around[1], around[2], around[3], around[4], around[5],
+    )  # fmt: skip
+    for c in range(len(centred)):
+        gx, gy = np.float64(own_x[c]), np.float64(own_y[c])
+        here = math.sqrt(gx * gx + gy * gy)
+        x, y = np.float64(up_x[c]), np.float64(up_y[c])
+        up = math.sqrt(x * x + y * y)
+        x, y = np.float64(down_x[c]), np.float64(down_y[c])
+        down = math.sqrt(x * x + y * y)
+        scale = here if here > 0.0 else 1.0
+        nx = np.float32((gx if here > 0.0 else 1.0) / scale)
+        ny = np.float32(gy / scale)
+        bend = 2.0 * here - up - down
+        shift = 0.5 * (up - down) / bend
+        shift = 0.5 if shift > 0.5 else shift
+        shift = -0.5 if shift < -0.5 else shift
+        # From the axis to the foot on the gradient line.
+        shift = shift * np.float64(abs(nx) if abs(gx) >= abs(gy) else abs(ny))
+        shift = shift if bend > 0.0 else 0.0
+        rows[OX, c] = (shift * nx * SUBPIXEL_STEPS + ROUNDING - ROUNDING) / SUBPIXEL_STEPS
+        rows[OY, c] = (shift * ny * SUBPIXEL_STEPS + ROUNDING - ROUNDING) / SUBPIXEL_STEPS
+        rows[NX, c] = nx
+        rows[NY, c] = ny
+        centred[c] = (up <= here) & (down <= here)
+
+
+@kernel
+def recentre(
+    around: Any, centred: Any, first: Any, xs: Any, ys: Any, dx: Any, dy: Any, rows: Any
+) -> None:
+    """Write the offsets where the crest crosses the axis nearer to a neighbour of the pixel."""
+    height, width = dx.shape
+    along_x, along_y = dx.ravel(), dy.ravel()
+    waiting = np.empty(len(centred), np.uint32)
+    size = np.uint64(0)
+    for c in range(len(centred)):
+        waiting[size] = c
+        size += np.uint64(not centred[c])
+    for c in waiting[:size]:
+        gx, gy = around[0, c], around[1, c]
+        here = length(gx, gy)
+        up, down = length(around[2, c], around[3, c]), length(around[4, c], around[5, c])
+        level = abs(gx) >= abs(gy)
+        way = 1 if up > here else -1
+        step = 2 * (way if (gx if level else gy) >= 0.0 else -way)
+        x = np.int64(xs[first + c]) + (step if level else 0)
+        y = np.int64(ys[first + c]) + (0 if level else step)
+        if (x < 0) | (y < 0) | (x >= width) | (y >= height):
+            continue
+        far = np.uint64(y * width + x)
+        beyond = length(along_x[far], along_y[far])
+        middle = up if way == 1 else down
+        after = beyond if way == 1 else here
+        before = here if way == 1 else beyond
+        bend = 2.0 * middle - after - before
+        shift = 0.5 * (after - before) / bend
+        shift = 0.5 if shift > 0.5 else shift
+        shift = -0.5 if shift < -0.5 else shift
+        nx, ny = rows[NX, c], rows[NY, c]
+        shift = (way + shift) * np.float64(abs(nx) if level else abs(ny))
+        shift = shift if bend > 0.0 else 0.0
+        rows[OX, c] = rounded(shift * nx)
+        rows[OY, c] = rounded(shift * ny)
 
 
 @kernel
@@ -64,57 +170,23 @@ def locate(flat: Any, dx: Any, dy: Any, index: Any) -> Any:
     error on thin lines.)
     """
     count = len(flat)
-    height, width = dx.shape
     xs = np.empty(count, np.int32)
     ys = np.empty(count, np.int32)
+    table = np.empty((count, 4), np.float32)
+    around = np.empty((6, CHUNK), np.float32)
+    rows = np.empty((4, CHUNK), np.float32)
+    centred = np.empty(CHUNK, np.bool_)
+    places = index.ravel()
     index[:] = NONE
-    table = np.zeros((count, 4), np.float32)
-    along_x, along_y, places = dx.ravel(), dy.ravel(), index.ravel()
-    y = 0
-    for k in range(count):
-        place = np.int64(flat[k])
-        while place >= (y + 1) * width:
-            y += 1
-        x = place - y * width
-        xs[k] = x
-        ys[k] = y
-        places[np.uint64(place + y * MARGIN)] = k
-        gx, gy = np.float64(along_x[np.uint64(place)]), np.float64(along_y[np.uint64(place)])
-        here = math.sqrt(gx * gx + gy * gy)
-        if here == 0.0:
-            table[k, NX] = 1.0
-            continue
-        nx, ny = np.float32(gx / here), np.float32(gy / here)
-        table[k, NX] = nx
-        table[k, NY] = ny
-        if x == 0 or y == 0 or x == width - 1 or y == height - 1:
-            continue
-        level = abs(gx) >= abs(gy)
-        step = 1 if level else width
-        step = step if (gx if level else gy) >= 0.0 else -step
-        up = magnitude_at(along_x, along_y, place + step)
-        down = magnitude_at(along_x, along_y, place - step)
-        way = 0
-        if (up > here) | (down > here):
-            # The crest may cross the axis nearer to a neighbour: centre the parabola there.
-            ahead = 1 if up > here else -1
-            at = (x if level else y) + 2 * (ahead if step > 0 else -ahead)
-            if 0 <= at < (width if level else height):
-                way = ahead
-                beyond = magnitude_at(along_x, along_y, place + 2 * way * step)
-                if way == 1:
-                    down, here, up = here, up, beyond
-                else:
-                    up, here, down = here, down, beyond
-        bend = 2.0 * here - up - down
-        shift = 0.5 * (up - down) / bend
-        shift = 0.5 if shift > 0.5 else shift
-        shift = -0.5 if shift < -0.5 else shift
-        # From the axis to the foot on the gradient line.
-        sign = 1.0 if step > 0 else -1.0
-        shift = (way + shift) * ((nx if level else ny) * sign) if bend > 0.0 else 0.0
-        table[k, OX] = rounded(shift * nx)
-        table[k, OY] = rounded(shift * ny)
+    for first in range(0, count, CHUNK):  # so few that they stay in the cache
+        last = min(first + CHUNK, count)
+        look_around(flat, first, last, dx, dy, xs, ys, around)
+        crests(around, rows, centred[: last - first])
+        recentre(around, centred[: last - first], first, xs, ys, dx, dy, rows)
+        for k in range(first, last):
+            places[np.uint64(np.int64(flat[k]) + ys[k] * MARGIN)] = k
+            for column in range(4):
+                table[k, column] = rows[column, k - first]
     return xs, ys, table
 
 
