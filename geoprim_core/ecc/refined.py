@@ -24,11 +24,12 @@ sure ellipses take their arcs           0, half of the time         0, half of t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from geoprim_core._check import IntArray, describe
+from geoprim_core.ecc import _kernels_refined_clutter as _clutter
 from geoprim_core.ecc import _kernels_refined_final as _final
 from geoprim_core.ecc import _kernels_refined_select as _select
 from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs, gather_edges, split_arcs
@@ -138,10 +139,33 @@ def trace_refined(
     edges = gather_edges(contours, settings)
     arcs = split_arcs(edges, contours, settings)
     candidates = pair_arcs(edges, arcs, settings)
-    verified = verify(edges, arcs, candidates, settings)
+    verified = explain(edges, verify(edges, arcs, candidates, settings), settings)
     selection = select(edges, verified, settings)
     detections = refit_chosen(edges, arcs, verified, selection, contours.image_size, settings)
     return RefinedTrace(edges, arcs, candidates, verified, selection, detections)
+
+
+def explain(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Verified:
+    """Weigh again the evidence of each ellipse, now that it is known what crosses its outline.
+
+    Edges across an outline are a sign of texture, in which ellipses are found by chance, unless
+    they are the outlines of other ellipses. A first selection tells which these are.
+    """
+    if not params.explain_crossings:
+        return verified
+    accepted = select(edges, verified, params).chosen
+    figures = _clutter.explain_crossings(
+        edges.head,
+        edges.following,
+        edges.points,
+        edges.normals,
+        verified.ellipses,
+        verified.figures,
+        verified.offsets,
+        accepted,
+        params.claim_reach,
+    )
+    return replace(verified, figures=figures)
 
 
 def select(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Selection:

@@ -88,7 +88,7 @@ class RefinedParams(Params):
         high=35.0,
     )
     min_coverage: float = option(
-        0.2, "verification: least supported share of the outline", low=0.05, high=1.0
+        0.25, "verification: least supported share of the outline", low=0.05, high=1.0
     )
     min_in_frame: float = option(
         0.5, "verification: least share of the outline inside the image", low=0.05, high=1.0
@@ -99,11 +99,20 @@ class RefinedParams(Params):
     min_semi_minor: float = option(
         3.0, "verification: least semi-minor axis", unit="px", low=0.5, high=10000.0
     )
+    end_weight: float = option(
+        1.0,
+        "verification: weight of how the supported stretches end, 0 for none",
+        low=0.0,
+        high=10.0,
+    )
     claim_score: float = option(
         0.95,
         "verification: score from which an ellipse takes its arcs from later candidates",
         low=0.5,
         high=0.999999,
+    )
+    explain_crossings: bool = option(
+        True, "acceptance: edges of accepted ellipses that cross an outline are no clutter"
     )
     claim_reach: float = option(
         1.5,
