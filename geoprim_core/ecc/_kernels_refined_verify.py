@@ -9,7 +9,13 @@ import numpy as np
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_ends import continuing_share, unexplained_share
-from geoprim_core.ecc._kernels_refined_fit import add_point, fit_moments, refit, refit_robustly
+from geoprim_core.ecc._kernels_refined_fit import (
+    add_point,
+    fit_moments,
+    offset_of,
+    refit,
+    refit_robustly,
+)
 from geoprim_core.ecc._kernels_refined_support import (
     COVERED,
     CROSSING,
@@ -31,6 +37,8 @@ from geoprim_core.ecc._kernels_refined_support import (
 )
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
+SPREAD = 12.0  # times the median distance: 8 standard deviations
+LEAST_REACH = 0.7  # pixels
 FIT_STEPS = 72.0  # as many places on the outline serve a fit
 LEAST_POINTS = 10
 FIGURES = 8
@@ -60,6 +68,22 @@ def fit_chosen(
         return False
     ellipse[:] = out
     return True
+
+
+@kernel
+def reach_of(
+    points: FloatArray, chosen: IntArray, count: int, ellipse: FloatArray, most: float
+) -> float:
+    """Return how far support may lie: several times the typical distance, at most `most`.
+
+    Clean edges lie within a fraction of a pixel; what lies further is then not of this outline.
+    """
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    distances = np.empty(count)
+    for k in range(count):
+        d, _, _ = offset_of(ellipse, cos, sin, points[chosen[k], 0], points[chosen[k], 1])
+        distances[k] = abs(d)
+    return min(most, max(LEAST_REACH, SPREAD * np.median(distances)))
 
 
 @kernel
@@ -106,6 +130,8 @@ def improve(
     for step in range(3):
         growth = 1.0 + limits[GROWTH] * ellipse[3]
         reach = limits[REACH] * REFITS[step] * growth
+        if step > 0:
+            reach = reach_of(points, chosen, count, ellipse, reach)
         stride = 2.0
         if step < 2:
             stride = max(2.0, perimeter_of(ellipse[2], ellipse[3]) / FIT_STEPS)
@@ -290,7 +316,7 @@ def verify(
         )  # fmt: skip
         if evidence >= polish:
             refit_robustly(points, chosen[:count], ellipse, limits[MAX_SIZE])
-            reach = limits[REACH] * (1.0 + limits[GROWTH] * ellipse[3])
+            reach = reach_of(points, chosen, count, ellipse, limits[REACH] * growth)
             count = collect(
                 head, following, points, normals, ellipse, 2.0, reach, limits[MIN_COSINE],
                 polarity, stamp, 4 * walked + 3, chosen, sums,
