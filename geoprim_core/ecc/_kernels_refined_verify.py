@@ -39,6 +39,7 @@ from geoprim_core.fitting._kernels_shape import perimeter_of
 
 SPREAD = 12.0  # times the median distance: 8 standard deviations
 LEAST_REACH = 0.7  # pixels
+POLISHES = 2
 FIT_STEPS = 72.0  # as many places on the outline serve a fit
 LEAST_POINTS = 10
 FIGURES = 8
@@ -165,6 +166,45 @@ def improve(
             good = good and not near_copy(known, found, ellipse)
         if not good or ellipse[3] < limits[MIN_SEMI] or ellipse[2] > limits[MAX_SIZE]:
             return 0
+    return count
+
+
+@kernel
+def polish_support(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    ellipse: FloatArray,
+    limits: FloatArray,
+    polarity: int,
+    stamp: IntArray,
+    mark: int,
+    chosen: IntArray,
+    count: int,
+    sums: FloatArray,
+) -> int:
+    """Refit an ellipse robustly and collect its support again; return the number of points."""
+    for step in range(POLISHES):
+        refit_robustly(points, chosen[:count], ellipse, limits[MAX_SIZE])
+        most = limits[REACH] * (1.0 + limits[GROWTH] * ellipse[3])
+        count = collect(
+            head,
+            following,
+            points,
+            normals,
+            ellipse,
+            2.0,
+            reach_of(points, chosen, count, ellipse, most),
+            limits[MIN_COSINE],
+            polarity,
+            stamp,
+            mark + step,
+            chosen,
+            sums,
+        )
+        if count < LEAST_POINTS:
+            break
     return count
 
 
@@ -304,7 +344,7 @@ def verify(
         walked += 1
         count = improve(
             head, following, points, normals, ellipse, limits, polish, polarity, ellipses, found,
-            stamp, 4 * walked, chosen, sums, work,
+            stamp, 8 * walked, chosen, sums, work,
         )  # fmt: skip
         if count == 0:
             tries[i] += 1
@@ -312,20 +352,18 @@ def verify(
             continue
         evidence = describe(
             head, following, normals, contour, ellipse, sums, chosen, count, stamp,
-            4 * walked + 2, limits, figures[found],
+            8 * walked + 2, limits, figures[found],
         )  # fmt: skip
         if evidence >= polish:
-            refit_robustly(points, chosen[:count], ellipse, limits[MAX_SIZE])
-            reach = reach_of(points, chosen, count, ellipse, limits[REACH] * growth)
-            count = collect(
-                head, following, points, normals, ellipse, 2.0, reach, limits[MIN_COSINE],
-                polarity, stamp, 4 * walked + 3, chosen, sums,
+            count = polish_support(
+                head, following, points, normals, ellipse, limits, polarity, stamp, 8 * walked + 3,
+                chosen, count, sums,
             )  # fmt: skip
             if count < LEAST_POINTS or near_copy(ellipses, found, ellipse):
                 continue
             describe(
                 head, following, normals, contour, ellipse, sums, chosen, count, stamp,
-                4 * walked + 3, limits, figures[found],
+                8 * walked + 2 + POLISHES, limits, figures[found],
             )  # fmt: skip
         used = offsets[found]
         if used + count > len(support):

@@ -38,9 +38,9 @@ class RefinedParams(Params):
         low=0.05,
         high=100.0,
     )
-    min_arc: int = option(12, "arcs: fewest points", unit="px", low=5, high=10000)
+    min_arc: int = option(10, "arcs: fewest points", unit="px", low=5, high=10000)
     min_sagitta: float = option(
-        0.5, "arcs: least height over the chord", unit="px", low=0.0, high=100.0
+        0.25, "arcs: least height over the chord", unit="px", low=0.0, high=100.0
     )
     same_polarity: bool = option(
         False, "pairs: want the gradient inwards on both arcs or outwards on both"
