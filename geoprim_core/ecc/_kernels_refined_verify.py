@@ -9,203 +9,36 @@ import numpy as np
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_ends import continuing_share, unexplained_share
-from geoprim_core.ecc._kernels_refined_fit import (
-    add_point,
-    fit_moments,
-    offset_of,
-    refit,
-    refit_robustly,
+from geoprim_core.ecc._kernels_refined_improve import (
+    ENDS,
+    GROWTH,
+    LEAST_POINTS,
+    MIN_COVERAGE,
+    POLISHES,
+    improve,
+    near_copy,
+    polish_support,
 )
 from geoprim_core.ecc._kernels_refined_support import (
     COVERED,
     CROSSING,
     IN_FRAME,
     SQUARES,
-    STEPS,
     SUMS,
     TURN,
     TURN_COVERED,
     Int32Array,
     arcs_of_points,
-    collect,
     doubt_of_clutter,
     doubt_of_ends,
-    hopeless,
     probe,
     support_evidence,
     unpromising,
 )
-from geoprim_core.fitting._kernels_shape import perimeter_of
 
-SPREAD = 12.0  # times the median distance: 8 standard deviations
-LEAST_REACH = 0.7  # pixels
-POLISHES = 2
-FIT_STEPS = 72.0  # as many places on the outline serve a fit
-LEAST_POINTS = 10
 FIGURES = 8
 SLOTS = 8  # verified ellipses remembered for each arc
-REFITS = (1.0, 0.8, 1.0)  # reach of the three collections of support, in shares of the limit
-HOPE = (6.0, 2.0)  # evidence that the first and the second refit may still add
 OWNED = 0.7  # an arc belongs to an ellipse that this share of its points support
-
-
-# Entries of the array of limits that `improve` and `verify` take.
-REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI, ENDS = range(8)
-
-
-@kernel
-def fit_chosen(
-    points: FloatArray, chosen: IntArray, count: int, ellipse: FloatArray, work: FloatArray
-) -> bool:
-    """Replace an ellipse by the direct fit to some points; False (unchanged) if there is none."""
-    work[:] = 0.0
-    scale = 1.0 / ellipse[2]
-    for k in range(count):
-        x = (points[chosen[k], 0] - ellipse[0]) * scale
-        y = (points[chosen[k], 1] - ellipse[1]) * scale
-        add_point(work, x, y)
-    out = np.empty(5)
-    if not fit_moments(work, ellipse[0], ellipse[1], scale, out):
-        return False
-    ellipse[:] = out
-    return True
-
-
-@kernel
-def reach_of(
-    points: FloatArray, chosen: IntArray, count: int, ellipse: FloatArray, most: float
-) -> float:
-    """Return how far support may lie: several times the typical distance, at most `most`.
-
-    Clean edges lie within a fraction of a pixel; what lies further is then not of this outline.
-    """
-    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    distances = np.empty(count)
-    for k in range(count):
-        d, _, _ = offset_of(ellipse, cos, sin, points[chosen[k], 0], points[chosen[k], 1])
-        distances[k] = abs(d)
-    return min(most, max(LEAST_REACH, SPREAD * np.median(distances)))
-
-
-@kernel
-def near_copy(ellipses: FloatArray, count: int, ellipse: FloatArray) -> bool:
-    """Tell whether an ellipse is within a pixel of one of the first `count`."""
-    for k in range(count):
-        other = ellipses[k]
-        if abs(other[0] - ellipse[0]) > 1.0 or abs(other[1] - ellipse[1]) > 1.0:
-            continue
-        if abs(other[2] - ellipse[2]) > 1.0 or abs(other[3] - ellipse[3]) > 1.0:
-            continue
-        turn = abs(other[4] - ellipse[4])
-        turn = min(turn, math.pi - turn)
-        if turn * (ellipse[2] - ellipse[3]) < 1.0:
-            return True
-    return False
-
-
-@kernel
-def improve(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipse: FloatArray,
-    limits: FloatArray,
-    hope: float,
-    polarity: int,
-    known: FloatArray,
-    found: int,
-    stamp: IntArray,
-    mark: int,
-    chosen: IntArray,
-    sums: FloatArray,
-    work: FloatArray,
-) -> int:
-    """Collect support and refit, twice, then collect again; return the points, 0 for a failure.
-
-    The first refit is direct, the second robust and orthogonal. The ellipse is changed in place;
-    it fails too when it has become a copy of one of the `found` known ones, or when its evidence
-    stays far below `hope`.
-    """
-    count = 0
-    for step in range(3):
-        growth = 1.0 + limits[GROWTH] * ellipse[3]
-        reach = limits[REACH] * REFITS[step] * growth
-        if step > 0:
-            reach = reach_of(points, chosen, count, ellipse, reach)
-        stride = 2.0
-        if step < 2:
-            stride = max(2.0, perimeter_of(ellipse[2], ellipse[3]) / FIT_STEPS)
-        count = collect(
-            head,
-            following,
-            points,
-            normals,
-            ellipse,
-            stride,
-            reach,
-            limits[MIN_COSINE],
-            polarity,
-            stamp,
-            mark + step,
-            chosen,
-            sums,
-        )
-        least = limits[MIN_COVERAGE] * (1.0 if step == 2 else 0.7)
-        if count < LEAST_POINTS or sums[COVERED] < least * sums[IN_FRAME]:
-            return 0
-        if sums[IN_FRAME] < limits[MIN_IN_FRAME] * sums[STEPS]:
-            return 0
-        if step < 2 and hopeless(sums, count, stride, ellipse, growth, hope - HOPE[step]):
-            return 0
-        good = True
-        if step == 0:
-            good = fit_chosen(points, chosen, count, ellipse, work)
-        elif step == 1:
-            good = refit(points, chosen, count, ellipse, 2, 3.0 * reach)
-            good = good and not near_copy(known, found, ellipse)
-        if not good or ellipse[3] < limits[MIN_SEMI] or ellipse[2] > limits[MAX_SIZE]:
-            return 0
-    return count
-
-
-@kernel
-def polish_support(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipse: FloatArray,
-    limits: FloatArray,
-    polarity: int,
-    stamp: IntArray,
-    mark: int,
-    chosen: IntArray,
-    count: int,
-    sums: FloatArray,
-) -> int:
-    """Refit an ellipse robustly and collect its support again; return the number of points."""
-    for step in range(POLISHES):
-        refit_robustly(points, chosen[:count], ellipse, limits[MAX_SIZE])
-        most = limits[REACH] * (1.0 + limits[GROWTH] * ellipse[3])
-        count = collect(
-            head,
-            following,
-            points,
-            normals,
-            ellipse,
-            2.0,
-            reach_of(points, chosen, count, ellipse, most),
-            limits[MIN_COSINE],
-            polarity,
-            stamp,
-            mark + step,
-            chosen,
-            sums,
-        )
-        if count < LEAST_POINTS:
-            break
-    return count
 
 
 @kernel
