@@ -63,10 +63,12 @@ def explain_crossings(
     offsets: IntArray,
     accepted: IntArray,
     reach: float,
+    least: float,
 ) -> FloatArray:
     """Return the figures with the crossing points that no accepted ellipse claims.
 
-    Their evidence changes: what accepted ellipses explain is no clutter, what is left is.
+    Their evidence changes: what accepted ellipses explain is no clutter, what is left is. An
+    ellipse whose evidence is below `least` without any clutter is left as it is.
     """
     claimed = np.zeros(len(points), np.bool_)
     stamp = np.zeros(len(points), np.int64)
@@ -75,11 +77,13 @@ def explain_crossings(
     result = figures.copy()
     for k in range(len(ellipses)):
         row = result[k]
-        row[0] += doubt_of_clutter(min(row[1], row[2]), row[4])
+        evidence = row[0] + doubt_of_clutter(min(row[1], row[2]), row[4])
+        if evidence < least:
+            continue
         if row[4] > 0.0:
             left = count_crossings(
                 head, following, points, normals, ellipses[k], claimed, stamp, k + 1
             )
             row[4] = left / (offsets[k + 1] - offsets[k])
-        row[0] -= UNEXPLAINED * row[4]
+        row[0] = evidence - UNEXPLAINED * row[4]
     return result

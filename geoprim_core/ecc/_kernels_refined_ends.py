@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_support import ACROSS, Int32Array
@@ -105,7 +107,8 @@ def unexplained_share(
     stop = 2.0 * math.pi
     started = False
     gap = ends = unexplained = 0
-    crossed = before = False  # at the first and at the latest step of the gap
+    places = np.empty((2, 2), np.int64)  # the first step of a gap and the latest
+    across = np.empty((2, 2))
     while t < stop:
         ct, st = math.cos(t), math.sin(t)
         norm = math.sqrt(a * a * st * st + b * b * ct * ct)
@@ -117,15 +120,17 @@ def unexplained_share(
             started = True
             stop = t + 2.0 * math.pi
         if started and inside and not hit:
-            nx, ny = (b * ct * cos - a * st * sin) / norm, (b * ct * sin + a * st * cos) / norm
-            before = is_crossed(head, following, normals, px, py, nx, ny)
-            if gap == 0:
-                crossed = before
+            end = 0 if gap == 0 else 1
+            places[end, 0], places[end, 1] = px, py
+            across[end, 0] = (b * ct * cos - a * st * sin) / norm
+            across[end, 1] = (b * ct * sin + a * st * cos) / norm
             gap += 1
         t += min(0.5, 2.0 / norm)
         if gap > 0 and (hit or not inside or t >= stop):
             if gap >= LEAST_GAP:
-                ends += 2
-                unexplained += (0 if crossed else 1) + (0 if before else 1)
+                for end in range(2):
+                    x, y, nx, ny = places[end, 0], places[end, 1], across[end, 0], across[end, 1]
+                    ends += 1
+                    unexplained += 0 if is_crossed(head, following, normals, x, y, nx, ny) else 1
             gap = 0
     return unexplained / ends if ends > 0 else 0.0

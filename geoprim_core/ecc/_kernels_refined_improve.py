@@ -25,8 +25,8 @@ from geoprim_core.ecc._kernels_refined_support import (
 )
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
-SPREAD = 12.0  # times the median distance: 8 standard deviations
 LEAST_REACH = 0.7  # pixels
+BINS = 24  # of the distances that matter
 POLISHES = 2
 FIT_STEPS = 72.0  # as many places on the outline serve a fit
 LEAST_POINTS = 10
@@ -34,7 +34,7 @@ REFITS = (1.0, 0.8, 1.0)  # reach of the three collections of support, in shares
 HOPE = (6.0, 2.0)  # evidence that the first and the second refit may still add
 
 # Entries of the array of limits that `improve` and `verify` take.
-REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI, ENDS = range(8)
+REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI, ENDS, SPREAD = range(9)
 
 
 @kernel
@@ -57,18 +57,32 @@ def fit_chosen(
 
 @kernel
 def reach_of(
-    points: FloatArray, chosen: IntArray, count: int, ellipse: FloatArray, most: float
+    points: FloatArray,
+    chosen: IntArray,
+    count: int,
+    ellipse: FloatArray,
+    spread: float,
+    most: float,
 ) -> float:
-    """Return how far support may lie: several times the typical distance, at most `most`.
+    """Return how far support may lie: `spread` times the typical distance, at most `most`.
 
     Clean edges lie within a fraction of a pixel; what lies further is then not of this outline.
     """
+    if not spread > 0.0:
+        return most
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    distances = np.empty(count)
+    # A histogram finds the median as far as it matters, and faster than a sort.
+    tally = np.zeros(BINS + 1, np.int64)
+    scale = BINS * spread / most
     for k in range(count):
         d, _, _ = offset_of(ellipse, cos, sin, points[chosen[k], 0], points[chosen[k], 1])
-        distances[k] = abs(d)
-    return min(most, max(LEAST_REACH, SPREAD * np.median(distances)))
+        tally[min(BINS, int(abs(d) * scale))] += 1
+    below = 0
+    for k in range(BINS):
+        below += tally[k]
+        if 2 * below >= count:
+            return min(most, max(LEAST_REACH, spread * (k + 1) / scale))
+    return most
 
 
 @kernel
@@ -116,7 +130,7 @@ def improve(
         growth = 1.0 + limits[GROWTH] * ellipse[3]
         reach = limits[REACH] * REFITS[step] * growth
         if step > 0:
-            reach = reach_of(points, chosen, count, ellipse, reach)
+            reach = reach_of(points, chosen, count, ellipse, limits[SPREAD], reach)
         stride = 2.0
         if step < 2:
             stride = max(2.0, perimeter_of(ellipse[2], ellipse[3]) / FIT_STEPS)
@@ -179,7 +193,7 @@ def polish_support(
             normals,
             ellipse,
             2.0,
-            reach_of(points, chosen, count, ellipse, most),
+            reach_of(points, chosen, count, ellipse, limits[SPREAD], most),
             limits[MIN_COSINE],
             polarity,
             stamp,

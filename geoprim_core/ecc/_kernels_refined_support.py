@@ -19,7 +19,7 @@ PROBE_COS = np.cos(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
 PROBE_SIN = np.sin(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
 CLEAN_RMS = 0.1  # pixels, the scatter of clean edges
 CLEAN_SLANT = 0.04  # radians, that of their gradients
-CLEAN_ENDS = 0.1  # share of ends that nothing explains
+CLEAN_ENDS = 0.3  # share of ends that nothing explains
 ACROSS = 0.82  # cosine of 35 degrees: an edge point turned further crosses the outline
 
 # Columns of the sums that `collect` makes.

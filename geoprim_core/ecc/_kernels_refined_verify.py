@@ -94,6 +94,7 @@ def describe(
     stamp: IntArray,
     mark: int,
     limits: FloatArray,
+    least: float,
     row: FloatArray,
 ) -> float:
     """Write the figures of an ellipse (see `verify`); return its evidence but for clutter."""
@@ -106,7 +107,7 @@ def describe(
     share = min(row[1], row[2])
     growth = 1.0 + limits[GROWTH] * ellipse[3]
     evidence = support_evidence(sums, count, row[5], ellipse, growth)
-    if limits[ENDS] > 0.0:
+    if limits[ENDS] > 0.0 and evidence >= least:  # else it is too weak already
         row[6] = continuing_share(contour, stamp, mark, chosen, count)
         row[7] = unexplained_share(head, following, normals, ellipse, stamp, mark)
         evidence -= limits[ENDS] * doubt_of_ends(share, row[6], row[7])
@@ -185,7 +186,7 @@ def verify(
             continue
         evidence = describe(
             head, following, normals, contour, ellipse, sums, chosen, count, stamp,
-            8 * walked + 2, limits, figures[found],
+            8 * walked + 2, limits, polish, figures[found],
         )  # fmt: skip
         if evidence >= polish:
             count = polish_support(
@@ -196,7 +197,7 @@ def verify(
                 continue
             describe(
                 head, following, normals, contour, ellipse, sums, chosen, count, stamp,
-                8 * walked + 2 + POLISHES, limits, figures[found],
+                8 * walked + 2 + POLISHES, limits, polish, figures[found],
             )  # fmt: skip
         used = offsets[found]
         if used + count > len(support):

@@ -167,5 +167,6 @@ def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:
             params.max_size * edges.diagonal,
             params.min_semi_minor,
             params.end_weight,
+            params.reach_spread,
         ]
     )

@@ -40,7 +40,7 @@ class RefinedParams(Params):
     )
     min_arc: int = option(10, "arcs: fewest points", unit="px", low=5, high=10000)
     min_sagitta: float = option(
-        0.25, "arcs: least height over the chord", unit="px", low=0.0, high=100.0
+        0.3, "arcs: least height over the chord", unit="px", low=0.0, high=100.0
     )
     same_polarity: bool = option(
         False, "pairs: want the gradient inwards on both arcs or outwards on both"
@@ -56,7 +56,7 @@ class RefinedParams(Params):
         high=10.0,
     )
     min_pair_share: float = option(
-        0.07, "pairs: least share of the outline that the arcs make up", low=0.01, high=1.0
+        0.085, "pairs: least share of the outline that the arcs make up", low=0.01, high=1.0
     )
     max_pairs: int = option(
         5_000_000, "pairs: as many are looked at, longest arcs first", low=1, high=1_000_000_000
@@ -65,7 +65,7 @@ class RefinedParams(Params):
         10000, "verification: as many candidates are walked, best first", low=1, high=10_000_000
     )
     max_tries: int = option(
-        6, "verification: failures after which two arcs are left alone", low=1, high=1_000_000
+        2, "verification: failures after which two arcs are left alone", low=1, high=1_000_000
     )
     reach: float = option(
         2.0,
@@ -79,6 +79,12 @@ class RefinedParams(Params):
         "verification: growth of that distance per pixel of the semi-minor axis",
         low=0.0,
         high=0.1,
+    )
+    reach_spread: float = option(
+        12.0,
+        "verification: that distance in medians of the distances found, 0 for no such limit",
+        low=0.0,
+        high=100.0,
     )
     max_normal_angle: float = option(
         15.0,
