@@ -18,10 +18,12 @@ PROBES = 32
 PROBE_COS = np.cos(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
 PROBE_SIN = np.sin(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
 CLEAN_RMS = 0.1  # pixels, the scatter of clean edges
+CLEAN_SLANT = 0.04  # radians, that of their gradients
+CLEAN_ENDS = 0.3  # share of ends that nothing explains
 ACROSS = 0.82  # cosine of 35 degrees: an edge point turned further crosses the outline
 
 # Columns of the sums that `collect` makes.
-STEPS, IN_FRAME, COVERED, TURN, TURN_COVERED, SQUARES, INWARDS, CROSSING, SUMS = range(9)
+STEPS, IN_FRAME, COVERED, TURN, TURN_COVERED, SQUARES, TURNED, CROSSING, SUMS = range(9)
 
 
 @kernel
@@ -115,7 +117,8 @@ def collect(
     The outline is walked in steps of `stride` pixels; a step is covered when one of the nine
     pixels around it holds a supporting point. Returns the number of points put in `chosen`; the
     sums count steps, those in the frame and the covered ones, the turn of the normal over the
-    latter two, squared distances, and points with the gradient inwards or across the outline.
+    latter two, squared distances, squared sines of the angles between gradient and normal, and
+    points with the gradient across the outline.
     """
     height, width = head.shape
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
@@ -164,7 +167,7 @@ def collect(
                             chosen[count] = p
                             count += 1
                             sums[SQUARES] += d * d
-                            sums[INWARDS] += 1.0 if dot > 0.0 else 0.0
+                            sums[TURNED] += 1.0 - dot * dot
                     hit = hit or stamp[p] == mark
                     p = following[p]
         if hit:
@@ -174,33 +177,75 @@ def collect(
 
 
 @kernel
-def evidence_of(share: float, rms: float, across: float, length: float, semi_minor: float) -> float:
-    """Return the log odds that an ellipse is right.
+def evidence_of(
+    share: float,
+    rms: float,
+    slant: float,
+    length: float,
+    semi_minor: float,
+    growth: float,
+    outside: float,
+) -> float:
+    """Return the log odds that an ellipse is right, as far as its support tells.
 
-    `share` of the outline is supported over `length` pixels with a scatter of `rms`, and crossed
-    by `across` edge points for each supporting one. The rest is extrapolated: scatter and clutter
-    count in proportion to it. The weights are those of a logistic regression.
+    `share` of the outline is supported over `length` pixels, with a scatter of `rms` pixels, that
+    may be `growth` times as long as on a small ellipse, and of `slant` radians; a share `outside`
+    lies beyond the image. Close alignment over a length is what chance does not give: an edge
+    point at random is as near with a probability in proportion to both scatters, so that their
+    logarithms count for each pixel. The rest of the outline is extrapolated: the scatter counts
+    in proportion to it. The weights, here and below, are those of a logistic regression.
     """
-    doubt = (1.0 - share) * (27.0 * rms + 20.0 * across)
-    return 2.3 * math.log(length) + math.log(semi_minor) - doubt - 10.2
+    aligned = math.log(2.0 / (rms + 0.05)) - math.log(slant + 0.03)
+    doubt = 16.0 * (1.0 - share) * rms / growth + 90.0 * rms / semi_minor + 11.5 * outside
+    return 3.7 * math.log(1.0 + length * max(aligned, 0.1)) - doubt - 17.7
+
+
+@kernel
+def doubt_of_ends(share: float, continuing: float, unexplained: float) -> float:
+    """Return what the ends of the supported stretches take from the evidence.
+
+    It counts in proportion to the unsupported rest, as in `evidence_of`.
+    """
+    return (1.0 - share) * (11.5 * continuing + 7.0 * unexplained)
+
+
+@kernel
+def doubt_of_clutter(share: float, across: float) -> float:
+    """Return what `across` crossing edge points for each supporting one take from the evidence.
+
+    Mild: it is not known yet which of them belong to other ellipses.
+    """
+    return 8.0 * (1.0 - share) * across
+
+
+@kernel
+def support_evidence(
+    sums: FloatArray, count: int, length: float, ellipse: FloatArray, growth: float
+) -> float:
+    """Return the evidence of an ellipse from the sums that `collect` made, but for clutter."""
+    share = min(sums[COVERED] / sums[IN_FRAME], sums[TURN_COVERED] / sums[TURN])
+    rms, slant = math.sqrt(sums[SQUARES] / count), math.sqrt(sums[TURNED] / count)
+    outside = 1.0 - sums[IN_FRAME] / sums[STEPS]
+    return evidence_of(share, rms, slant, length, ellipse[3], growth, outside)
 
 
 @kernel
 def hopeless(
-    sums: FloatArray, count: int, stride: float, ellipse: FloatArray, least: float
+    sums: FloatArray, count: int, stride: float, ellipse: FloatArray, growth: float, least: float
 ) -> bool:
     """Tell whether the evidence of a first collection of support is below `least`."""
     share = min(sums[COVERED] / sums[IN_FRAME], sums[TURN_COVERED] / sums[TURN])
-    rms, across = math.sqrt(sums[SQUARES] / count), sums[CROSSING] / count
-    return evidence_of(share, rms, across, stride * sums[COVERED], ellipse[3]) < least
+    evidence = support_evidence(sums, count, stride * sums[COVERED], ellipse, growth)
+    return evidence - doubt_of_clutter(share, sums[CROSSING] / count) < least
 
 
 @kernel
-def unpromising(share: float, ellipse: FloatArray, least: float) -> bool:
+def unpromising(share: float, ellipse: FloatArray, growth: float, least: float) -> bool:
     """Tell whether the evidence of an ellipse can hardly reach `least` after a probe's share.
 
     The refits may find half as much again, and a little more, with a scatter as of clean edges.
     """
     best = min(1.0, 1.5 * share + 0.1)
     length = best * perimeter_of(ellipse[2], ellipse[3])
-    return evidence_of(best, CLEAN_RMS, 0.0, length, ellipse[3]) < least
+    support = evidence_of(best, CLEAN_RMS, CLEAN_SLANT, length, ellipse[3], growth, 0.0)
+    return support - doubt_of_ends(best, CLEAN_ENDS, CLEAN_ENDS) < least

@@ -8,133 +8,37 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import add_point, fit_moments, refit, refit_robustly
+from geoprim_core.ecc._kernels_refined_ends import continuing_share, unexplained_share
+from geoprim_core.ecc._kernels_refined_improve import (
+    ENDS,
+    GROWTH,
+    LEAST_POINTS,
+    MIN_COVERAGE,
+    POLISHES,
+    improve,
+    near_copy,
+    polish_support,
+)
 from geoprim_core.ecc._kernels_refined_support import (
     COVERED,
     CROSSING,
     IN_FRAME,
     SQUARES,
-    STEPS,
     SUMS,
     TURN,
     TURN_COVERED,
     Int32Array,
     arcs_of_points,
-    collect,
-    evidence_of,
-    hopeless,
+    doubt_of_clutter,
+    doubt_of_ends,
     probe,
+    support_evidence,
     unpromising,
 )
-from geoprim_core.fitting._kernels_shape import perimeter_of
 
-FIT_STEPS = 72.0  # as many places on the outline serve a fit
-LEAST_POINTS = 10
+FIGURES = 8
 SLOTS = 8  # verified ellipses remembered for each arc
-REFITS = (1.0, 0.8, 1.0)  # reach of the three collections of support, in shares of the limit
-HOPE = (8.0, 4.0)  # evidence that the first and the second refit may still add
 OWNED = 0.7  # an arc belongs to an ellipse that this share of its points support
-
-
-# Entries of the array of limits that `improve` and `verify` take.
-REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI = range(7)
-
-
-@kernel
-def fit_chosen(
-    points: FloatArray, chosen: IntArray, count: int, ellipse: FloatArray, work: FloatArray
-) -> bool:
-    """Replace an ellipse by the direct fit to some points; False (unchanged) if there is none."""
-    work[:] = 0.0
-    scale = 1.0 / ellipse[2]
-    for k in range(count):
-        x = (points[chosen[k], 0] - ellipse[0]) * scale
-        y = (points[chosen[k], 1] - ellipse[1]) * scale
-        add_point(work, x, y)
-    out = np.empty(5)
-    if not fit_moments(work, ellipse[0], ellipse[1], scale, out):
-        return False
-    ellipse[:] = out
-    return True
-
-
-@kernel
-def near_copy(ellipses: FloatArray, count: int, ellipse: FloatArray) -> bool:
-    """Tell whether an ellipse is within a pixel of one of the first `count`."""
-    for k in range(count):
-        other = ellipses[k]
-        if abs(other[0] - ellipse[0]) > 1.0 or abs(other[1] - ellipse[1]) > 1.0:
-            continue
-        if abs(other[2] - ellipse[2]) > 1.0 or abs(other[3] - ellipse[3]) > 1.0:
-            continue
-        turn = abs(other[4] - ellipse[4])
-        turn = min(turn, math.pi - turn)
-        if turn * (ellipse[2] - ellipse[3]) < 1.0:
-            return True
-    return False
-
-
-@kernel
-def improve(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipse: FloatArray,
-    limits: FloatArray,
-    hope: float,
-    polarity: int,
-    known: FloatArray,
-    found: int,
-    stamp: IntArray,
-    mark: int,
-    chosen: IntArray,
-    sums: FloatArray,
-    work: FloatArray,
-) -> int:
-    """Collect support and refit, twice, then collect again; return the points, 0 for a failure.
-
-    The first refit is direct, the second robust and orthogonal. The ellipse is changed in place;
-    it fails too when it has become a copy of one of the `found` known ones, or when its evidence
-    stays far below `hope`.
-    """
-    count = 0
-    for step in range(3):
-        reach = limits[REACH] * REFITS[step] * (1.0 + limits[GROWTH] * ellipse[3])
-        stride = 2.0
-        if step < 2:
-            stride = max(2.0, perimeter_of(ellipse[2], ellipse[3]) / FIT_STEPS)
-        count = collect(
-            head,
-            following,
-            points,
-            normals,
-            ellipse,
-            stride,
-            reach,
-            limits[MIN_COSINE],
-            polarity,
-            stamp,
-            mark + step,
-            chosen,
-            sums,
-        )
-        least = limits[MIN_COVERAGE] * (1.0 if step == 2 else 0.7)
-        if count < LEAST_POINTS or sums[COVERED] < least * sums[IN_FRAME]:
-            return 0
-        if sums[IN_FRAME] < limits[MIN_IN_FRAME] * sums[STEPS]:
-            return 0
-        if step < 2 and hopeless(sums, count, stride, ellipse, hope - HOPE[step]):
-            return 0
-        good = True
-        if step == 0:
-            good = fit_chosen(points, chosen, count, ellipse, work)
-        elif step == 1:
-            good = refit(points, chosen, count, ellipse, 2, 3.0 * reach)
-            good = good and not near_copy(known, found, ellipse)
-        if not good or ellipse[3] < limits[MIN_SEMI] or ellipse[2] > limits[MAX_SIZE]:
-            return 0
-    return count
 
 
 @kernel
@@ -178,15 +82,37 @@ def note_owner(
 
 
 @kernel
-def describe(sums: FloatArray, count: int, ellipse: FloatArray, row: FloatArray) -> float:
-    """Write the figures of an ellipse (see `verify`) and return its evidence."""
+def describe(
+    head: Int32Array,
+    following: Int32Array,
+    normals: FloatArray,
+    contour: IntArray,
+    ellipse: FloatArray,
+    sums: FloatArray,
+    chosen: IntArray,
+    count: int,
+    stamp: IntArray,
+    mark: int,
+    limits: FloatArray,
+    least: float,
+    row: FloatArray,
+) -> float:
+    """Write the figures of an ellipse (see `verify`); return its evidence but for clutter."""
     row[1] = sums[COVERED] / sums[IN_FRAME]
     row[2] = sums[TURN_COVERED] / sums[TURN]
     row[3] = math.sqrt(sums[SQUARES] / count)
     row[4] = sums[CROSSING] / count
     row[5] = 2.0 * sums[COVERED]
-    row[0] = evidence_of(min(row[1], row[2]), row[3], row[4], row[5], ellipse[3])
-    return float(row[0])
+    row[6] = row[7] = 0.0
+    share = min(row[1], row[2])
+    growth = 1.0 + limits[GROWTH] * ellipse[3]
+    evidence = support_evidence(sums, count, row[5], ellipse, growth)
+    if limits[ENDS] > 0.0 and evidence >= least:  # else it is too weak already
+        row[6] = continuing_share(contour, stamp, mark, chosen, count)
+        row[7] = unexplained_share(head, following, normals, ellipse, stamp, mark)
+        evidence -= limits[ENDS] * doubt_of_ends(share, row[6], row[7])
+    row[0] = evidence - doubt_of_clutter(share, row[4])
+    return float(evidence)
 
 
 @kernel
@@ -197,6 +123,7 @@ def verify(
     normals: FloatArray,
     order: IntArray,
     ends: IntArray,
+    contour: IntArray,
     table: FloatArray,
     arcs: IntArray,
     candidates: FloatArray,
@@ -210,16 +137,17 @@ def verify(
     """Verify candidates in the given order against all edge points.
 
     Returns the ellipses that pass; their figures: evidence, coverage, share of the turn covered,
-    rms, crossing points per supporting one, length in pixels; offsets and indices of their
-    supporting points; the candidate each came from; and the number of candidates looked at
-    closely, one more than `max_count` where that left a candidate out. An ellipse with evidence
-    `polish` is refitted once more, robustly; one with evidence `sure` and half its outline covered
-    takes its arcs. Two arcs that both failed `max_tries` times are left alone.
+    rms, crossing points per supporting one, length in pixels, shares of the ends at which a
+    contour goes on and at which nothing explains a gap; offsets and indices of their supporting
+    points; the candidate each came from; and the number of candidates looked at closely, one more
+    than `max_count` where that left a candidate out. An ellipse with evidence `polish` is refitted
+    once more, robustly; one with evidence `sure` and half its outline covered takes its arcs. Two
+    arcs that both failed `max_tries` times are left alone.
     """
     total = len(points)
     room = min(len(arcs), max_count)
     ellipses = np.empty((room, 5))
-    figures = np.empty((room, 6))
+    figures = np.empty((room, FIGURES))
     sources = np.empty(room, np.int64)
     offsets = np.zeros(room + 1, np.int64)
     support = np.empty(4 * total + 1, np.int64)
@@ -242,7 +170,8 @@ def verify(
         ellipse[:] = candidates[at]
         polarity = int(table[i, 16]) if signed else 0
         share = probe(head, following, normals, ellipse, polarity)
-        if share < 0.6 * limits[MIN_COVERAGE] or unpromising(share, ellipse, polish):
+        growth = 1.0 + limits[GROWTH] * ellipse[3]
+        if share < 0.6 * limits[MIN_COVERAGE] or unpromising(share, ellipse, growth, polish):
             continue
         if walked == max_count:
             walked += 1
@@ -250,22 +179,27 @@ def verify(
         walked += 1
         count = improve(
             head, following, points, normals, ellipse, limits, polish, polarity, ellipses, found,
-            stamp, 4 * walked, chosen, sums, work,
+            stamp, 8 * walked, chosen, sums, work,
         )  # fmt: skip
         if count == 0:
             tries[i] += 1
             tries[max(i, j)] += 1 if j > i else 0
             continue
-        if describe(sums, count, ellipse, figures[found]) >= polish:
-            refit_robustly(points, chosen[:count], ellipse, limits[MAX_SIZE], limits[MIN_SEMI])
-            reach = limits[REACH] * (1.0 + limits[GROWTH] * ellipse[3])
-            count = collect(
-                head, following, points, normals, ellipse, 2.0, reach, limits[MIN_COSINE],
-                polarity, stamp, 4 * walked + 3, chosen, sums,
+        evidence = describe(
+            head, following, normals, contour, ellipse, sums, chosen, count, stamp,
+            8 * walked + 2, limits, polish, figures[found],
+        )  # fmt: skip
+        if evidence >= polish:
+            count = polish_support(
+                head, following, points, normals, ellipse, limits, polarity, stamp, 8 * walked + 3,
+                chosen, count, sums,
             )  # fmt: skip
             if count < LEAST_POINTS or near_copy(ellipses, found, ellipse):
                 continue
-            describe(sums, count, ellipse, figures[found])
+            describe(
+                head, following, normals, contour, ellipse, sums, chosen, count, stamp,
+                8 * walked + 2 + POLISHES, limits, polish, figures[found],
+            )  # fmt: skip
         used = offsets[found]
         if used + count > len(support):
             support = np.concatenate((support, np.empty(len(support) + count, np.int64)))

@@ -26,6 +26,8 @@ class EdgePoints:
         Positions in pixels; with strokes, moved to the stroke's centre line.
     normals : (N, 2) float64
         Unit vectors along the gradient, from dark to bright.
+    contour : (N,) int64
+        The contour that each point is on; along one the points follow each other.
     head : (H, W) int32
         The first edge point of every pixel, -1 for none.
     following : (N,) int32
@@ -41,6 +43,7 @@ class EdgePoints:
 
     points: FloatArray
     normals: FloatArray
+    contour: IntArray
     head: Int32Array
     following: Int32Array
     stroke: float
@@ -100,7 +103,9 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
         points = points + 0.5 * stroke * normals
         head, following = index_points(points, width, height)
     located = signed and contours.subpixel is not None
-    return EdgePoints(points, normals, head, following, stroke, signed and stroke == 0.0, located)
+    contour = np.repeat(np.arange(len(contours)), np.diff(contours.offsets))
+    signed = signed and stroke == 0.0
+    return EdgePoints(points, normals, contour, head, following, stroke, signed, located)
 
 
 def _frame(contours: Contours) -> tuple[int, int]:

@@ -52,9 +52,10 @@ class Verified:
     Attributes
     ----------
     ellipses : (V, 5) float64
-    figures : (V, 6) float64
+    figures : (V, 8) float64
         Evidence (log odds), coverage, covered share of the turn, rms distance, points across the
-        outline per supporting one, supported length in pixels.
+        outline per supporting one, supported length in pixels, share of the ends of the support
+        at which a contour goes on elsewhere, share of the ends of gaps that no edge crosses.
     offsets : (V + 1,) int64
         The support of ellipse k is `support[offsets[k]:offsets[k + 1]]`.
     support : (S,) int64
@@ -149,6 +150,7 @@ def verify(
         edges.normals,
         arcs.indices,
         arcs.offsets,
+        edges.contour,
         arcs.table,
         candidates.arcs,
         candidates.ellipses,
@@ -175,5 +177,7 @@ def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:
             params.min_in_frame,
             params.max_size * edges.diagonal,
             params.min_semi_minor,
+            params.end_weight,
+            params.reach_spread,
         ]
     )

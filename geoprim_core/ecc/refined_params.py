@@ -38,9 +38,9 @@ class RefinedParams(Params):
         low=0.05,
         high=100.0,
     )
-    min_arc: int = option(12, "arcs: fewest points", unit="px", low=5, high=10000)
+    min_arc: int = option(10, "arcs: fewest points", unit="px", low=5, high=10000)
     min_sagitta: float = option(
-        0.5, "arcs: least height over the chord", unit="px", low=0.0, high=100.0
+        0.3, "arcs: least height over the chord", unit="px", low=0.0, high=100.0
     )
     same_polarity: bool = option(
         False, "pairs: want the gradient inwards on both arcs or outwards on both"
@@ -56,7 +56,7 @@ class RefinedParams(Params):
         high=10.0,
     )
     min_pair_share: float = option(
-        0.07, "pairs: least share of the outline that the arcs make up", low=0.01, high=1.0
+        0.085, "pairs: least share of the outline that the arcs make up", low=0.01, high=1.0
     )
     max_pairs: int = option(
         5_000_000, "pairs: as many are looked at, longest arcs first", low=1, high=1_000_000_000
@@ -65,7 +65,7 @@ class RefinedParams(Params):
         10000, "verification: as many candidates are walked, best first", low=1, high=10_000_000
     )
     max_tries: int = option(
-        6, "verification: failures after which two arcs are left alone", low=1, high=1_000_000
+        2, "verification: failures after which two arcs are left alone", low=1, high=1_000_000
     )
     reach: float = option(
         2.0,
@@ -80,6 +80,12 @@ class RefinedParams(Params):
         low=0.0,
         high=0.1,
     )
+    reach_spread: float = option(
+        12.0,
+        "verification: that distance in medians of the distances found, 0 for no such limit",
+        low=0.0,
+        high=100.0,
+    )
     max_normal_angle: float = option(
         15.0,
         "verification: largest angle between the gradient and the outline's normal",
@@ -88,7 +94,7 @@ class RefinedParams(Params):
         high=35.0,
     )
     min_coverage: float = option(
-        0.2, "verification: least supported share of the outline", low=0.05, high=1.0
+        0.25, "verification: least supported share of the outline", low=0.05, high=1.0
     )
     min_in_frame: float = option(
         0.5, "verification: least share of the outline inside the image", low=0.05, high=1.0
@@ -99,11 +105,20 @@ class RefinedParams(Params):
     min_semi_minor: float = option(
         3.0, "verification: least semi-minor axis", unit="px", low=0.5, high=10000.0
     )
+    end_weight: float = option(
+        1.0,
+        "verification: weight of how the supported stretches end, 0 for none",
+        low=0.0,
+        high=10.0,
+    )
     claim_score: float = option(
         0.95,
         "verification: score from which an ellipse takes its arcs from later candidates",
         low=0.5,
         high=0.999999,
+    )
+    explain_crossings: bool = option(
+        True, "acceptance: edges of accepted ellipses that cross an outline are no clutter"
     )
     claim_reach: float = option(
         1.5,

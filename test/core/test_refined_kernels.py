@@ -6,6 +6,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geoprim_core.ecc import _kernels_refined_clutter as clutter
+from geoprim_core.ecc import _kernels_refined_ends as ends
 from geoprim_core.ecc import _kernels_refined_final as final
 from geoprim_core.ecc import _kernels_refined_fit as fit
 from geoprim_core.ecc import _kernels_refined_stroke as stroke
@@ -115,10 +117,83 @@ def test_the_edges_of_a_line_are_mates_across_its_width():
     assert np.allclose(gaps, -2.25)
 
 
-def test_more_support_is_more_evidence():
-    base = support.evidence_of(0.6, 0.2, 0.1, 200.0, 40.0)
-    assert support.evidence_of(0.9, 0.2, 0.1, 300.0, 40.0) > base
-    assert support.evidence_of(0.6, 0.4, 0.1, 200.0, 40.0) < base
-    assert support.evidence_of(0.6, 0.2, 0.3, 200.0, 40.0) < base
-    whole = support.evidence_of(1.0, 0.2, 0.1, 200.0, 40.0)
-    assert support.evidence_of(1.0, 0.9, 0.9, 200.0, 40.0) == whole
+def evidence(share=0.6, rms=0.2, slant=0.1, length=200.0, outside=0.0):
+    return support.evidence_of(share, rms, slant, length, 40.0, 1.0, outside)
+
+
+def test_more_and_better_support_is_more_evidence():
+    assert evidence(length=300.0) > evidence()
+    assert evidence(share=0.9) > evidence()
+    assert evidence(rms=0.4) < evidence()
+    assert evidence(slant=0.2) < evidence()
+    assert evidence(outside=0.2) < evidence()
+
+
+def test_clutter_and_ends_count_only_where_the_outline_is_extrapolated():
+    for doubt in (lambda share: support.doubt_of_ends(share, 0.5, 0.5), of_clutter):
+        assert doubt(1.0) == 0
+        assert 0 < doubt(0.8) < doubt(0.4)
+
+
+def of_clutter(share):
+    return support.doubt_of_clutter(share, 0.5)
+
+
+def marked(points, normals, ellipse):
+    """Return the index of points on a 120 x 100 image, and all of them stamped as support."""
+    head, following = support.index_points(points, 120, 100)
+    return head, following, normals, ellipse, np.ones(len(points), np.int64), 1
+
+
+def upper_half(count=120):
+    """Return the points and normals of the upper half of a circle, and the circle."""
+    circle = np.array([60.0, 50.0, 30.0, 30.0, 0.0])
+    t = np.linspace(np.pi, 2 * np.pi, count)
+    normals = np.stack([np.cos(t), np.sin(t)], axis=1)
+    return circle[:2] + 30 * normals, normals, circle
+
+
+def test_a_contour_that_goes_on_elsewhere_is_told_from_one_that_ends():
+    tail = 20
+    stamp = np.ones(100 + tail, np.int64)
+    stamp[100:] = 0
+    chosen = np.arange(100)
+    one, two = np.zeros(100 + tail, np.int64), np.repeat([0, 1], [100, tail])
+    assert ends.continuing_share(one, stamp, 1, chosen, 100) == 0.5
+    assert ends.continuing_share(two, stamp, 1, chosen, 100) == 0.0
+    stamp[103] = 1  # a few points off the outline are no end
+    assert ends.continuing_share(one[:104], stamp[:104], 1, np.r_[chosen, 103], 101) == 0.0
+
+
+def test_an_edge_across_the_end_of_a_gap_explains_it():
+    points, normals, circle = upper_half()
+    assert ends.unexplained_share(*marked(points, normals, circle)) == 1.0
+    y = np.full(20, 53.0)  # a horizontal edge under the half circle's right end
+    x = np.arange(80.0, 100.0)
+    crossed = np.concatenate([points, np.stack([x, y], axis=1)])
+    across = np.concatenate([normals, np.tile([0.0, 1.0], (20, 1))])
+    head, following, normals, circle, stamp, mark = marked(crossed, across, circle)
+    stamp[len(points) :] = 0
+    assert ends.unexplained_share(head, following, normals, circle, stamp, mark) == 0.5
+
+
+def test_a_whole_outline_has_no_ends():
+    t = np.linspace(0, 2 * np.pi, 240, endpoint=False)
+    normals = np.stack([np.cos(t), np.sin(t)], axis=1)
+    circle = np.array([60.0, 50.0, 30.0, 30.0, 0.0])
+    assert ends.unexplained_share(*marked(circle[:2] + 30 * normals, normals, circle)) == 0.0
+
+
+def test_only_crossing_points_that_nothing_claims_are_counted():
+    circle = np.array([60.0, 50.0, 30.0, 30.0, 0.0])
+    x = np.arange(20.0, 100.0)
+    points = np.stack([x, np.full(80, 50.0)], axis=1)  # crosses the circle on both sides
+    normals = np.tile([0.0, 1.0], (80, 1))
+    head, following = support.index_points(points, 120, 100)
+    claimed = np.zeros(80, bool)
+    stamp = np.zeros(80, np.int64)
+    count = clutter.count_crossings(head, following, points, normals, circle, claimed, stamp, 1)
+    assert count == 6  # three pixels wide on either side
+    claimed[40:] = True
+    count = clutter.count_crossings(head, following, points, normals, circle, claimed, stamp, 2)
+    assert count == 3

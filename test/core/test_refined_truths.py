@@ -202,3 +202,29 @@ def test_wrong_arguments_are_named():
     with pytest.raises(ParameterError, match="params"):
         detect_refined(empty, None, EdgeParams())
     assert len(detect_refined(empty)) == 0
+
+
+def stadium(width, height, centre, half_length, radius):
+    """Return an image of a bright rectangle with half discs at both ends."""
+    y, x = np.mgrid[0:height, 0:width]
+    along = np.clip(np.abs(x - centre[0]) - half_length, 0, None)
+    distance = np.hypot(along, y - centre[1]) - radius
+    return (40 + 160 * np.clip(0.5 - distance, 0, 1)).astype(np.uint8)
+
+
+@pytest.mark.parametrize("half_length", [18, 30])
+def test_the_round_ends_of_a_stadium_are_no_circles(half_length):
+    image = stadium(260, 220, (130, 110), half_length, 30)
+    assert len(found_in(image)) == 0
+    blind = found_in(image, RefinedParams(end_weight=0.0))
+    assert len(blind) > 0  # its contour goes on: that tells
+
+
+def test_ellipses_that_cross_are_no_clutter_to_each_other():
+    scene = thesis_image(20, seed=11, kind="overlapping")
+    found = found_in(scene.image)
+    apart = found_in(scene.image, RefinedParams(explain_crossings=False))
+    truth = scene.ellipses
+    hits = [(overlap_matrix(truth, f.ellipses).max(axis=1) > 0.95).sum() for f in (found, apart)]
+    assert hits[0] >= 0.9 * len(truth)
+    assert hits[0] >= hits[1]

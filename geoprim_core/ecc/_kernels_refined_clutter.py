@@ -1,0 +1,89 @@
+"""Kernels of the `refined` scheme: edges that cross an outline, and whose they are."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from geoprim_core._check import BoolArray, FloatArray, IntArray
+from geoprim_core._jit import kernel
+from geoprim_core.ecc._kernels_refined_fit import offset_of
+from geoprim_core.ecc._kernels_refined_select import claim
+from geoprim_core.ecc._kernels_refined_support import ACROSS, Int32Array, doubt_of_clutter
+
+UNEXPLAINED = 38.0  # evidence lost for each unexplained crossing point a supporting one
+
+
+@kernel
+def count_crossings(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    ellipse: FloatArray,
+    claimed: BoolArray,
+    stamp: IntArray,
+    mark: int,
+) -> int:
+    """Count the edge points along an outline that run across it and that nothing has claimed."""
+    height, width = head.shape
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    a, b = ellipse[2], ellipse[3]
+    count = 0
+    t = 0.0
+    while t < 2.0 * math.pi:
+        ct, st = math.cos(t), math.sin(t)
+        t += min(0.5, 2.0 / math.sqrt(a * a * st * st + b * b * ct * ct))
+        px = int(math.floor(ellipse[0] + a * ct * cos - b * st * sin + 0.5))
+        py = int(math.floor(ellipse[1] + a * ct * sin + b * st * cos + 0.5))
+        if px < 1 or py < 1 or px > width - 2 or py > height - 2:
+            continue
+        for y in range(py - 1, py + 2):
+            for x in range(px - 1, px + 2):
+                p = head[y, x]
+                while p >= 0:
+                    if stamp[p] != mark and not claimed[p]:
+                        stamp[p] = mark
+                        _, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
+                        if abs(nx * normals[p, 0] + ny * normals[p, 1]) < ACROSS:
+                            count += 1
+                    p = following[p]
+    return count
+
+
+@kernel
+def explain_crossings(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    ellipses: FloatArray,
+    figures: FloatArray,
+    offsets: IntArray,
+    accepted: IntArray,
+    reach: float,
+    least: float,
+) -> FloatArray:
+    """Return the figures with the crossing points that no accepted ellipse claims.
+
+    Their evidence changes: what accepted ellipses explain is no clutter, what is left is. An
+    ellipse whose evidence is below `least` without any clutter is left as it is.
+    """
+    claimed = np.zeros(len(points), np.bool_)
+    stamp = np.zeros(len(points), np.int64)
+    for k in accepted:
+        claim(head, following, points, normals, ellipses[k], reach, claimed)
+    result = figures.copy()
+    for k in range(len(ellipses)):
+        row = result[k]
+        evidence = row[0] + doubt_of_clutter(min(row[1], row[2]), row[4])
+        if evidence < least:
+            continue
+        if row[4] > 0.0:
+            left = count_crossings(
+                head, following, points, normals, ellipses[k], claimed, stamp, k + 1
+            )
+            row[4] = left / (offsets[k + 1] - offsets[k])
+        row[0] = evidence - UNEXPLAINED * row[4]
+    return result

@@ -1,0 +1,206 @@
+"""Kernels of the `refined` scheme: a candidate improved by the support it finds."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from geoprim_core._check import FloatArray, IntArray
+from geoprim_core._jit import kernel
+from geoprim_core.ecc._kernels_refined_fit import (
+    add_point,
+    fit_moments,
+    offset_of,
+    refit,
+    refit_robustly,
+)
+from geoprim_core.ecc._kernels_refined_support import (
+    COVERED,
+    IN_FRAME,
+    STEPS,
+    Int32Array,
+    collect,
+    hopeless,
+)
+from geoprim_core.fitting._kernels_shape import perimeter_of
+
+LEAST_REACH = 0.7  # pixels
+BINS = 24  # of the distances that matter
+POLISHES = 2
+FIT_STEPS = 72.0  # as many places on the outline serve a fit
+LEAST_POINTS = 10
+REFITS = (1.0, 0.8, 1.0)  # reach of the three collections of support, in shares of the limit
+HOPE = (6.0, 2.0)  # evidence that the first and the second refit may still add
+
+# Entries of the array of limits that `improve` and `verify` take.
+REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI, ENDS, SPREAD = range(9)
+
+
+@kernel
+def fit_chosen(
+    points: FloatArray, chosen: IntArray, count: int, ellipse: FloatArray, work: FloatArray
+) -> bool:
+    """Replace an ellipse by the direct fit to some points; False (unchanged) if there is none."""
+    work[:] = 0.0
+    scale = 1.0 / ellipse[2]
+    for k in range(count):
+        x = (points[chosen[k], 0] - ellipse[0]) * scale
+        y = (points[chosen[k], 1] - ellipse[1]) * scale
+        add_point(work, x, y)
+    out = np.empty(5)
+    if not fit_moments(work, ellipse[0], ellipse[1], scale, out):
+        return False
+    ellipse[:] = out
+    return True
+
+
+@kernel
+def reach_of(
+    points: FloatArray,
+    chosen: IntArray,
+    count: int,
+    ellipse: FloatArray,
+    spread: float,
+    most: float,
+) -> float:
+    """Return how far support may lie: `spread` times the typical distance, at most `most`.
+
+    Clean edges lie within a fraction of a pixel; what lies further is then not of this outline.
+    """
+    if not spread > 0.0:
+        return most
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    # A histogram finds the median as far as it matters, and faster than a sort.
+    tally = np.zeros(BINS + 1, np.int64)
+    scale = BINS * spread / most
+    for k in range(count):
+        d, _, _ = offset_of(ellipse, cos, sin, points[chosen[k], 0], points[chosen[k], 1])
+        tally[min(BINS, int(abs(d) * scale))] += 1
+    below = 0
+    for k in range(BINS):
+        below += tally[k]
+        if 2 * below >= count:
+            return min(most, max(LEAST_REACH, spread * (k + 1) / scale))
+    return most
+
+
+@kernel
+def near_copy(ellipses: FloatArray, count: int, ellipse: FloatArray) -> bool:
+    """Tell whether an ellipse is within a pixel of one of the first `count`."""
+    for k in range(count):
+        other = ellipses[k]
+        if abs(other[0] - ellipse[0]) > 1.0 or abs(other[1] - ellipse[1]) > 1.0:
+            continue
+        if abs(other[2] - ellipse[2]) > 1.0 or abs(other[3] - ellipse[3]) > 1.0:
+            continue
+        turn = abs(other[4] - ellipse[4])
+        turn = min(turn, math.pi - turn)
+        if turn * (ellipse[2] - ellipse[3]) < 1.0:
+            return True
+    return False
+
+
+@kernel
+def improve(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    ellipse: FloatArray,
+    limits: FloatArray,
+    hope: float,
+    polarity: int,
+    known: FloatArray,
+    found: int,
+    stamp: IntArray,
+    mark: int,
+    chosen: IntArray,
+    sums: FloatArray,
+    work: FloatArray,
+) -> int:
+    """Collect support and refit, twice, then collect again; return the points, 0 for a failure.
+
+    The first refit is direct, the second robust and orthogonal. The ellipse is changed in place;
+    it fails too when it has become a copy of one of the `found` known ones, or when its evidence
+    stays far below `hope`.
+    """
+    count = 0
+    for step in range(3):
+        growth = 1.0 + limits[GROWTH] * ellipse[3]
+        reach = limits[REACH] * REFITS[step] * growth
+        if step > 0:
+            reach = reach_of(points, chosen, count, ellipse, limits[SPREAD], reach)
+        stride = 2.0
+        if step < 2:
+            stride = max(2.0, perimeter_of(ellipse[2], ellipse[3]) / FIT_STEPS)
+        count = collect(
+            head,
+            following,
+            points,
+            normals,
+            ellipse,
+            stride,
+            reach,
+            limits[MIN_COSINE],
+            polarity,
+            stamp,
+            mark + step,
+            chosen,
+            sums,
+        )
+        least = limits[MIN_COVERAGE] * (1.0 if step == 2 else 0.7)
+        if count < LEAST_POINTS or sums[COVERED] < least * sums[IN_FRAME]:
+            return 0
+        if sums[IN_FRAME] < limits[MIN_IN_FRAME] * sums[STEPS]:
+            return 0
+        if step < 2 and hopeless(sums, count, stride, ellipse, growth, hope - HOPE[step]):
+            return 0
+        good = True
+        if step == 0:
+            good = fit_chosen(points, chosen, count, ellipse, work)
+        elif step == 1:
+            good = refit(points, chosen, count, ellipse, 2, 3.0 * reach)
+            good = good and not near_copy(known, found, ellipse)
+        if not good or ellipse[3] < limits[MIN_SEMI] or ellipse[2] > limits[MAX_SIZE]:
+            return 0
+    return count
+
+
+@kernel
+def polish_support(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    ellipse: FloatArray,
+    limits: FloatArray,
+    polarity: int,
+    stamp: IntArray,
+    mark: int,
+    chosen: IntArray,
+    count: int,
+    sums: FloatArray,
+) -> int:
+    """Refit an ellipse robustly and collect its support again; return the number of points."""
+    for step in range(POLISHES):
+        refit_robustly(points, chosen[:count], ellipse, limits[MAX_SIZE], limits[MIN_SEMI])
+        most = limits[REACH] * (1.0 + limits[GROWTH] * ellipse[3])
+        count = collect(
+            head,
+            following,
+            points,
+            normals,
+            ellipse,
+            2.0,
+            reach_of(points, chosen, count, ellipse, limits[SPREAD], most),
+            limits[MIN_COSINE],
+            polarity,
+            stamp,
+            mark + step,
+            chosen,
+            sums,
+        )
+        if count < LEAST_POINTS:
+            break
+    return count
