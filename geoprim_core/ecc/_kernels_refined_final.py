@@ -1,4 +1,4 @@
-"""Kernels of the `refined` scheme: last refit, covariance and saliency of the chosen ellipses."""
+"""Kernels of the `refined` scheme: last refit, trimming and saliency of the chosen ellipses."""
 
 from __future__ import annotations
 
@@ -8,58 +8,80 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_of, refit_robustly, solve5
+from geoprim_core.ecc._kernels_refined_covariance import covariance_of, radius_at
+from geoprim_core.ecc._kernels_refined_fit import (
+    MAD,
+    TUKEY,
+    offset_of,
+    refit,
+    refit_robustly,
+)
 from geoprim_core.ecc._kernels_refined_support import arcs_of_points
 
 GAP = 4.0  # pixels along the outline without support that end an arc
+TRIM = 2.5  # pixels next to a gap where what hides the outline also bends its edge
+LEAST_KEPT = 0.6  # share of the points that the trimming leaves
+LEAST_POINTS = 10
+LEAST_WIDTH = 0.25  # pixels, of the weights of the last refit
 MOST_SHRINKAGE = 0.25  # pixels; beyond, the blur is wider than the curve
 ALIGNED = 2.0  # d_0 of thesis (5-11)
-ANGLE_PRIOR = 12.0 / math.pi**2  # inverse variance of an angle of which nothing is known
 
 
 @kernel
-def covariance_of(
-    points: FloatArray, chosen: IntArray, parameter: FloatArray, ellipse: FloatArray
-) -> FloatArray:
-    """Return the covariance (5, 5) of an ellipse from the distances of its points, in order.
+def support_inside(parameter: FloatArray, ellipse: FloatArray) -> IntArray:
+    """Return the indices of supports, at sorted parameters, that do not end an arc.
 
-    Neighbouring edge points err alike; the lag-one correlation of the distances widens the
-    covariance accordingly. NaN when the points do not determine the ellipse.
+    Beside a gap of the support another edge has drawn the points to its side. All are returned
+    when too few would be left.
     """
-    count = len(chosen)
-    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
     a, b = ellipse[2], ellipse[3]
-    normal = np.zeros((5, 5))
-    row = np.empty(5)
-    square = lagged = before = 0.0
-    for k in range(count):
-        p = chosen[k]
-        d, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
-        ct, st = math.cos(parameter[k]), math.sin(parameter[k])
-        nu, nv = nx * cos + ny * sin, ny * cos - nx * sin
-        row[0], row[1], row[2], row[3] = nx, ny, ct * nu, st * nv
-        row[4] = a * ct * nv - b * st * nu
-        for i in range(5):
-            for j in range(i + 1):
-                normal[i, j] += row[i] * row[j]
-        square += d * d
-        lagged += d * before
-        before = d
-    variance = square / max(1, count - 5)
-    likeness = min(0.9, max(0.0, lagged / square)) if square > 0.0 else 0.0
-    variance = max(variance * (1.0 + likeness) / (1.0 - likeness), 1e-12)
-    for i in range(5):
-        for j in range(i + 1):
-            normal[i, j] /= variance
-            normal[j, i] = normal[i, j]
-    normal[4, 4] += ANGLE_PRIOR
-    result = np.zeros((5, 5))
-    for i in range(5):
-        result[i, i] = 1.0
-        if not solve5(normal.copy(), result[i]):
-            result[:] = np.nan
-            break
-    return 0.5 * (result + result.T)
+    count = len(parameter)
+    inner = np.ones(count, np.bool_)
+    for way in (1, -1):
+        path = TRIM
+        at = 0
+        for _ in range(2 * count):
+            following = (at + way) % count
+            turn = (way * (parameter[following] - parameter[at])) % (2.0 * math.pi)
+            mid = parameter[at] + 0.5 * way * turn
+            step = turn * math.hypot(a * math.sin(mid), b * math.cos(mid))
+            path = 0.0 if step > GAP else path + step
+            if path < TRIM:
+                inner[following] = False
+            at = following
+    kept = np.flatnonzero(inner)
+    if len(kept) < max(LEAST_KEPT * count, LEAST_POINTS):
+        return np.arange(count)
+    return kept
+
+
+@kernel
+def parameters_of(points: FloatArray, ellipse: FloatArray) -> FloatArray:
+    """Return the parameter (eccentric anomaly) of each point in (-pi, pi]."""
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    parameter = np.empty(len(points))
+    for k in range(len(points)):
+        dx, dy = points[k, 0] - ellipse[0], points[k, 1] - ellipse[1]
+        u, v = dx * cos + dy * sin, dy * cos - dx * sin
+        parameter[k] = math.atan2(v / ellipse[3], u / ellipse[2])
+    return parameter
+
+
+@kernel
+def refit_tightly(points: FloatArray, ellipse: FloatArray) -> float:
+    """Refit an ellipse in place with weights as narrow as the scatter allows; return the width."""
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    distances = np.empty(len(points))
+    for k in range(len(points)):
+        d, _, _ = offset_of(ellipse, cos, sin, points[k, 0], points[k, 1])
+        distances[k] = abs(d)
+    width = max(LEAST_WIDTH, TUKEY * MAD * np.median(distances))
+    row = ellipse.copy()
+    every = np.arange(len(points))
+    if refit(points, every, len(points), row, 4, width) and row[3] >= 2.0:
+        if abs(row[2] - ellipse[2]) < 0.1 * ellipse[2]:
+            ellipse[:] = row
+    return width
 
 
 @kernel
@@ -137,9 +159,7 @@ def unshrunk(
         x, y = points[chosen[k], 0], points[chosen[k], 1]
         _, nx, ny = offset_of(ellipse, cos, sin, x, y)
         nu, nv = nx * cos + ny * sin, ny * cos - nx * sin
-        # The radius of curvature where the normal is (nu, nv).
-        radius = a * a * b * b / (a * a * nu * nu + b * b * nv * nv) ** 1.5
-        shift = min(MOST_SHRINKAGE, 0.5 * spread / radius)
+        shift = min(MOST_SHRINKAGE, 0.5 * spread / radius_at(nu, nv, a, b))
         moved[k, 0], moved[k, 1] = x + shift * nx, y + shift * ny
     return moved
 
@@ -169,16 +189,14 @@ def finish(
         ellipse = ellipses[k].copy()
         moved = unshrunk(points, chosen, ellipse, spread)
         refit_robustly(moved, np.arange(len(chosen)), ellipse, max_size)
-        cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-        parameter = np.empty(len(chosen))
-        for m in range(len(chosen)):
-            dx, dy = moved[m, 0] - ellipse[0], moved[m, 1] - ellipse[1]
-            u, v = dx * cos + dy * sin, dy * cos - dx * sin
-            parameter[m] = math.atan2(v / ellipse[3], u / ellipse[2])
+        parameter = parameters_of(moved, ellipse)
         sorting = np.argsort(parameter, kind="mergesort")
+        parameter, moved = parameter[sorting], moved[sorting]
+        kept = support_inside(parameter, ellipse)
+        inner = moved[kept]
+        width = refit_tightly(inner, ellipse)
         rows[s] = ellipse
-        parameter = parameter[sorting]
-        covariances[s] = covariance_of(moved, sorting, parameter, ellipse)
+        covariances[s] = covariance_of(inner, parameters_of(inner, ellipse), ellipse, width)
         saliency[s, 0], saliency[s, 2] = gap_figures(parameter, ellipse)
         saliency[s, 1] = alignment_of(points, order, ends, arc_of, chosen, ellipse, tally)
     return rows, covariances, saliency

@@ -184,8 +184,12 @@ def refit_chosen(
     """Refit the chosen ellipses to their support and describe them, best first.
 
     Robust least squares of the orthogonal (Sampson) distances, after what the edge stage's blur
-    has shrunk is undone (`edge_spread`); the covariance follows from the scatter of the distances
-    and their correlation along the outline.
+    has shrunk is undone (`edge_spread`), without the points beside gaps of the support, where what
+    hides the outline also bends its edge. The covariance follows from the scatter of the distances
+    at low frequencies along the outline and the doubt about a blur of the picture itself. It holds
+    to first order for x, y, the mean of the semi-axes and half their difference times the cosine
+    and the sine of twice the angle; of a circle the axes are told apart by chance, and its angle
+    is unknown. `geoprim_core.evaluation.coverage` measures how often it holds.
 
     References
     ----------

@@ -28,7 +28,9 @@ class EllipseDetections(Frozen):
         ratio (5-12) and angular continuity ratio (5-13), each in [0, 1].
     covariance : (n, 5, 5) float64
         Covariance of x, y, semi_major, semi_minor (pixels) and angle (radians) from the edge
-        residuals; NaN where it is not known.
+        residuals; NaN where it is not known. Of a near circle, whose axes are told apart by
+        chance, it describes x, y, the mean of the axes and half their difference as a vector at
+        twice the angle.
     image_size : (width, height) in pixels or None
     """
 
