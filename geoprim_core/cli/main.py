@@ -18,6 +18,7 @@ COMMANDS = {
     "evaluate": "score an output bag or an image folder against its ground truth",
     "explain": "show every step of a detection as a picture, and why hypotheses were refused",
     "bench": "measure the speed of the chain, stage by stage",
+    "calibrate": "check by simulation that scores are probabilities and that covariances hold",
     "warm": "compile the numeric kernels ahead of time",
 }
 

@@ -14,12 +14,12 @@ ANGLE_PRIOR = 12.0 / math.pi**2  # inverse variance of an angle of which nothing
 
 # The noise of the distances at low frequencies along the outline, see `noise_of`.
 POINTS_PER_WAVE = 8  # half-waves shorter than so many points tell of single points only
-LEAST_WAVES, MOST_WAVES = 6, 40
+LEAST_WAVES, MOST_WAVES = 6, 20
 OWN_SHARE = 0.1  # of a wave that must be left when what the ellipse takes up is removed
 USUAL_WAVES = 6.0  # the usual ratio counts like so many waves
 USUAL_RATIO = 2.75  # of the noise at low frequencies to the variance, measured
-SMALL_SAMPLE = 6.5  # over the number of waves: what is added for not knowing the noise well
-BLUR_DOUBT = 0.8  # pixels^2, by which the variance of a picture's own blur is unknown
+SMALL_SAMPLE = 5.5  # over the number of waves: what is added for not knowing the noise well
+BLUR_DOUBT = 0.75  # pixels^2, by which the variance of a picture's own blur is unknown
 
 
 @kernel

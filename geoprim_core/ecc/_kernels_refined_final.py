@@ -14,7 +14,6 @@ from geoprim_core.ecc._kernels_refined_fit import (
     TUKEY,
     offset_of,
     refit,
-    refit_robustly,
 )
 from geoprim_core.ecc._kernels_refined_support import arcs_of_points
 
@@ -24,6 +23,8 @@ LEAST_KEPT = 0.6  # share of the points that the trimming leaves
 LEAST_POINTS = 10
 LEAST_WIDTH = 0.25  # pixels, of the weights of the last refit
 MOST_SHRINKAGE = 0.25  # pixels; beyond, the blur is wider than the curve
+ROUNDS = 6  # of the last refit at most
+SETTLED = 0.002  # pixels, by which a settled ellipse moves in a round
 ALIGNED = 2.0  # d_0 of thesis (5-11)
 
 
@@ -36,19 +37,28 @@ def support_inside(parameter: FloatArray, ellipse: FloatArray) -> IntArray:
     """
     a, b = ellipse[2], ellipse[3]
     count = len(parameter)
+    steps = np.empty(count)
+    for k in range(count):
+        turn = parameter[(k + 1) % count] - parameter[k]
+        turn += 2.0 * math.pi if k + 1 == count else 0.0
+        mid = parameter[k] + 0.5 * turn
+        steps[k] = turn * math.hypot(a * math.sin(mid), b * math.cos(mid))
     inner = np.ones(count, np.bool_)
-    for way in (1, -1):
-        path = TRIM
-        at = 0
-        for _ in range(2 * count):
-            following = (at + way) % count
-            turn = (way * (parameter[following] - parameter[at])) % (2.0 * math.pi)
-            mid = parameter[at] + 0.5 * way * turn
-            step = turn * math.hypot(a * math.sin(mid), b * math.cos(mid))
-            path = 0.0 if step > GAP else path + step
-            if path < TRIM:
-                inner[following] = False
-            at = following
+    for k in range(count):
+        if steps[k] <= GAP:
+            continue
+        path = 0.0
+        at = (k + 1) % count
+        while path < TRIM:
+            inner[at] = False
+            path += steps[at]
+            at = (at + 1) % count
+        path = 0.0
+        at = k
+        while path < TRIM:
+            inner[at] = False
+            at = (at - 1) % count
+            path += steps[at]
     kept = np.flatnonzero(inner)
     if len(kept) < max(LEAST_KEPT * count, LEAST_POINTS):
         return np.arange(count)
@@ -68,19 +78,32 @@ def parameters_of(points: FloatArray, ellipse: FloatArray) -> FloatArray:
 
 
 @kernel
-def refit_tightly(points: FloatArray, ellipse: FloatArray) -> float:
-    """Refit an ellipse in place with weights as narrow as the scatter allows; return the width."""
-    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+def refit_tightly(points: FloatArray, ellipse: FloatArray, max_size: float) -> float:
+    """Refit an ellipse in place with weights as narrow as the scatter allows; return the width.
+
+    Reason for the narrow weights: what crosses or touches an outline at a small angle lies nearer
+    to it than the widest scatter of an edge.
+    """
     distances = np.empty(len(points))
-    for k in range(len(points)):
-        d, _, _ = offset_of(ellipse, cos, sin, points[k, 0], points[k, 1])
-        distances[k] = abs(d)
-    width = max(LEAST_WIDTH, TUKEY * MAD * np.median(distances))
-    row = ellipse.copy()
     every = np.arange(len(points))
-    if refit(points, every, len(points), row, 4, width) and row[3] >= 2.0:
-        if abs(row[2] - ellipse[2]) < 0.1 * ellipse[2]:
-            ellipse[:] = row
+    row = ellipse.copy()
+    width = LEAST_WIDTH
+    for _ in range(ROUNDS):
+        cos, sin = math.cos(row[4]), math.sin(row[4])
+        for k in range(len(points)):
+            d, _, _ = offset_of(row, cos, sin, points[k, 0], points[k, 1])
+            distances[k] = abs(d)
+        width = max(LEAST_WIDTH, TUKEY * MAD * np.median(distances))
+        if not refit(points, every, len(points), row, 2, width):
+            break
+        if row[2] > max_size or row[3] < 2.0:
+            break
+        moved = 0.0
+        for k in range(4):
+            moved = max(moved, abs(row[k] - ellipse[k]))
+        ellipse[:] = row
+        if moved < SETTLED:
+            break
     return width
 
 
@@ -188,13 +211,12 @@ def finish(
         chosen = support[offsets[k] : offsets[k + 1]]
         ellipse = ellipses[k].copy()
         moved = unshrunk(points, chosen, ellipse, spread)
-        refit_robustly(moved, np.arange(len(chosen)), ellipse, max_size)
         parameter = parameters_of(moved, ellipse)
         sorting = np.argsort(parameter, kind="mergesort")
         parameter, moved = parameter[sorting], moved[sorting]
         kept = support_inside(parameter, ellipse)
         inner = moved[kept]
-        width = refit_tightly(inner, ellipse)
+        width = refit_tightly(inner, ellipse, max_size)
         rows[s] = ellipse
         covariances[s] = covariance_of(inner, parameters_of(inner, ellipse), ellipse, width)
         saliency[s, 0], saliency[s, 2] = gap_figures(parameter, ellipse)

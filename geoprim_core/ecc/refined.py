@@ -32,8 +32,9 @@ from geoprim_core._check import IntArray, describe
 from geoprim_core.ecc import _kernels_refined_final as _final
 from geoprim_core.ecc import _kernels_refined_select as _select
 from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs, gather_edges, split_arcs
-from geoprim_core.ecc.refined_candidates import Candidates, Verified, log_odds, pair_arcs, verify
+from geoprim_core.ecc.refined_candidates import Candidates, Verified, pair_arcs, verify
 from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.ecc.refined_score import SCORE_MAP
 from geoprim_core.errors import InputError
 from geoprim_core.params import as_params
 from geoprim_core.types import Contours, EllipseDetections, Ellipses, Polygons
@@ -165,7 +166,7 @@ def select(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Sele
         verified.figures,
         verified.offsets,
         verified.support,
-        log_odds(params.min_score),
+        SCORE_MAP.evidence_of(params.min_score),
         params.claim_reach,
         params.min_unclaimed,
         params.max_overlap,

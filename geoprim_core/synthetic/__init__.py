@@ -3,6 +3,7 @@
 Every function is deterministic: the same arguments, seed included, give the same bytes.
 """
 
+from geoprim_core.synthetic.assorted import assorted_scenes
 from geoprim_core.synthetic.scene import Scene
 from geoprim_core.synthetic.shapes import (
     disc_image,
@@ -11,6 +12,7 @@ from geoprim_core.synthetic.shapes import (
     render_parity,
     visible_shares,
 )
+from geoprim_core.synthetic.single import SingleEllipse, single_ellipses
 from geoprim_core.synthetic.sorting import sorting_sequence
 from geoprim_core.synthetic.sorting_lines import SORTING_LINES, SortingLine, SortingObject
 from geoprim_core.synthetic.thesis import ALPHAS, thesis_image, thesis_set
@@ -20,14 +22,17 @@ __all__ = [
     "ALPHAS",
     "SORTING_LINES",
     "Scene",
+    "SingleEllipse",
     "SortingLine",
     "SortingObject",
+    "assorted_scenes",
     "degraded",
     "disc_image",
     "ellipse_image",
     "render_ellipses",
     "render_parity",
     "rotated",
+    "single_ellipses",
     "sorting_sequence",
     "thesis_image",
     "thesis_set",

@@ -22,7 +22,8 @@ class EllipseDetections(Frozen):
     ----------
     ellipses : Ellipses, n of them
     score : (n,) float64
-        In [0, 1], larger is better.
+        In [0, 1], larger is better; of the `refined` scheme the probability that the ellipse is
+        right (overlap ratio of 0.8 or more with a true one).
     coverage, alignment, continuity : (n,) float64
         The saliency criteria of thesis 5.5.2: angular circumference ratio (5-10), alignment
         ratio (5-12) and angular continuity ratio (5-13), each in [0, 1].

@@ -19,7 +19,7 @@ ALLOWED = {
     "ecc": METHOD_ROOMS,
     "applications": METHOD_ROOMS | {"ecc"},
     "synthetic": {"fitting"},
-    "evaluation": METHOD_ROOMS | {"ecc"},
+    "evaluation": METHOD_ROOMS | {"ecc", "synthetic"},
     "io": METHOD_ROOMS | {"ecc", "applications", "synthetic", "evaluation"},
     "plotting": METHOD_ROOMS | {"ecc", "applications", "evaluation", "io", "synthetic"},
     "warm": METHOD_ROOMS | {"ecc", "synthetic"},
