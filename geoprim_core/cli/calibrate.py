@@ -30,7 +30,8 @@ from geoprim_core.synthetic import assorted_scenes
 from geoprim_core.types import EllipseDetections
 
 _PHOTOGRAPHS = "photographs"
-_WEIGHT_OF_PHOTOGRAPHS = 2.0
+# There are many synthetic sets, one of photographs, and a robot sees the latter.
+_WEIGHT_OF_PHOTOGRAPHS = 4.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -100,7 +100,7 @@ class RefinedParams(Params):
         3.0, "verification: least semi-minor axis", unit="px", low=0.5, high=10000.0
     )
     claim_score: float = option(
-        0.98,
+        0.975,
         "verification: score from which an ellipse takes its arcs from later candidates",
         low=0.5,
         high=0.999999,
