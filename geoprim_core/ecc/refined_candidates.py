@@ -47,7 +47,7 @@ class Verified:
     ----------
     ellipses : (V, 5) float64
     figures : (V, 6) float64
-        Evidence, coverage, covered share of the turn, rms distance, points across the
+        Evidence (log odds), coverage, covered share of the turn, rms distance, points across the
         outline per supporting one, supported length in pixels.
     offsets : (V + 1,) int64
         The support of ellipse k is `support[offsets[k]:offsets[k + 1]]`.
