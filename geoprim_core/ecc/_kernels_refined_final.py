@@ -1,4 +1,4 @@
-"""Kernels of the `refined` scheme: last refit, covariance and saliency of the chosen ellipses."""
+"""Kernels of the `refined` scheme: last refit, trimming and saliency of the chosen ellipses."""
 
 from __future__ import annotations
 
@@ -8,58 +8,105 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_of, refit_robustly, solve5
+from geoprim_core.ecc._kernels_refined_covariance import covariance_of, radius_at
+from geoprim_core.ecc._kernels_refined_fit import (
+    MAD,
+    TUKEY,
+    offset_of,
+    refit,
+)
 from geoprim_core.ecc._kernels_refined_support import arcs_of_points
 
 GAP = 4.0  # pixels along the outline without support that end an arc
+TRIM = 2.5  # pixels next to a gap where what hides the outline also bends its edge
+LEAST_KEPT = 0.6  # share of the points that the trimming leaves
+LEAST_POINTS = 10
+LEAST_WIDTH = 0.25  # pixels, of the weights of the last refit
 MOST_SHRINKAGE = 0.25  # pixels; beyond, the blur is wider than the curve
+ROUNDS = 6  # of the last refit at most
+SETTLED = 0.002  # pixels, by which a settled ellipse moves in a round
 ALIGNED = 2.0  # d_0 of thesis (5-11)
-ANGLE_PRIOR = 12.0 / math.pi**2  # inverse variance of an angle of which nothing is known
 
 
 @kernel
-def covariance_of(
-    points: FloatArray, chosen: IntArray, parameter: FloatArray, ellipse: FloatArray
-) -> FloatArray:
-    """Return the covariance (5, 5) of an ellipse from the distances of its points, in order.
+def support_inside(parameter: FloatArray, ellipse: FloatArray) -> IntArray:
+    """Return the indices of supports, at sorted parameters, that do not end an arc.
 
-    Neighbouring edge points err alike; the lag-one correlation of the distances widens the
-    covariance accordingly. NaN when the points do not determine the ellipse.
+    Beside a gap of the support another edge has drawn the points to its side. All are returned
+    when too few would be left.
     """
-    count = len(chosen)
-    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
     a, b = ellipse[2], ellipse[3]
-    normal = np.zeros((5, 5))
-    row = np.empty(5)
-    square = lagged = before = 0.0
+    count = len(parameter)
+    steps = np.empty(count)
     for k in range(count):
-        p = chosen[k]
-        d, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
-        ct, st = math.cos(parameter[k]), math.sin(parameter[k])
-        nu, nv = nx * cos + ny * sin, ny * cos - nx * sin
-        row[0], row[1], row[2], row[3] = nx, ny, ct * nu, st * nv
-        row[4] = a * ct * nv - b * st * nu
-        for i in range(5):
-            for j in range(i + 1):
-                normal[i, j] += row[i] * row[j]
-        square += d * d
-        lagged += d * before
-        before = d
-    variance = square / max(1, count - 5)
-    likeness = min(0.9, max(0.0, lagged / square)) if square > 0.0 else 0.0
-    variance = max(variance * (1.0 + likeness) / (1.0 - likeness), 1e-12)
-    for i in range(5):
-        for j in range(i + 1):
-            normal[i, j] /= variance
-            normal[j, i] = normal[i, j]
-    normal[4, 4] += ANGLE_PRIOR
-    result = np.zeros((5, 5))
-    for i in range(5):
-        result[i, i] = 1.0
-        if not solve5(normal.copy(), result[i]):
-            result[:] = np.nan
+        turn = parameter[(k + 1) % count] - parameter[k]
+        turn += 2.0 * math.pi if k + 1 == count else 0.0
+        mid = parameter[k] + 0.5 * turn
+        steps[k] = turn * math.hypot(a * math.sin(mid), b * math.cos(mid))
+    inner = np.ones(count, np.bool_)
+    for k in range(count):
+        if steps[k] <= GAP:
+            continue
+        path = 0.0
+        at = (k + 1) % count
+        while path < TRIM:
+            inner[at] = False
+            path += steps[at]
+            at = (at + 1) % count
+        path = 0.0
+        at = k
+        while path < TRIM:
+            inner[at] = False
+            at = (at - 1) % count
+            path += steps[at]
+    kept = np.flatnonzero(inner)
+    if len(kept) < max(LEAST_KEPT * count, LEAST_POINTS):
+        return np.arange(count)
+    return kept
+
+
+@kernel
+def parameters_of(points: FloatArray, ellipse: FloatArray) -> FloatArray:
+    """Return the parameter (eccentric anomaly) of each point in (-pi, pi]."""
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    parameter = np.empty(len(points))
+    for k in range(len(points)):
+        dx, dy = points[k, 0] - ellipse[0], points[k, 1] - ellipse[1]
+        u, v = dx * cos + dy * sin, dy * cos - dx * sin
+        parameter[k] = math.atan2(v / ellipse[3], u / ellipse[2])
+    return parameter
+
+
+@kernel
+def refit_tightly(
+    points: FloatArray, ellipse: FloatArray, max_size: float, min_size: float
+) -> float:
+    """Refit an ellipse in place with weights as narrow as the scatter allows; return the width.
+
+    Reason for the narrow weights: what crosses or touches an outline at a small angle lies nearer
+    to it than the widest scatter of an edge.
+    """
+    distances = np.empty(len(points))
+    every = np.arange(len(points))
+    row = ellipse.copy()
+    width = LEAST_WIDTH
+    for _ in range(ROUNDS):
+        cos, sin = math.cos(row[4]), math.sin(row[4])
+        for k in range(len(points)):
+            d, _, _ = offset_of(row, cos, sin, points[k, 0], points[k, 1])
+            distances[k] = abs(d)
+        width = max(LEAST_WIDTH, TUKEY * MAD * np.median(distances))
+        if not refit(points, every, len(points), row, 2, width):
             break
-    return 0.5 * (result + result.T)
+        if row[2] > max_size or row[3] < min_size:
+            break
+        moved = 0.0
+        for k in range(4):
+            moved = max(moved, abs(row[k] - ellipse[k]))
+        ellipse[:] = row
+        if moved < SETTLED:
+            break
+    return width
 
 
 @kernel
@@ -137,9 +184,7 @@ def unshrunk(
         x, y = points[chosen[k], 0], points[chosen[k], 1]
         _, nx, ny = offset_of(ellipse, cos, sin, x, y)
         nu, nv = nx * cos + ny * sin, ny * cos - nx * sin
-        # The radius of curvature where the normal is (nu, nv).
-        radius = a * a * b * b / (a * a * nu * nu + b * b * nv * nv) ** 1.5
-        shift = min(MOST_SHRINKAGE, 0.5 * spread / radius)
+        shift = min(MOST_SHRINKAGE, 0.5 * spread / radius_at(nu, nv, a, b))
         moved[k, 0], moved[k, 1] = x + shift * nx, y + shift * ny
     return moved
 
@@ -169,17 +214,14 @@ def finish(
         chosen = support[offsets[k] : offsets[k + 1]]
         ellipse = ellipses[k].copy()
         moved = unshrunk(points, chosen, ellipse, spread)
-        refit_robustly(moved, np.arange(len(chosen)), ellipse, max_size, min_size)
-        cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-        parameter = np.empty(len(chosen))
-        for m in range(len(chosen)):
-            dx, dy = moved[m, 0] - ellipse[0], moved[m, 1] - ellipse[1]
-            u, v = dx * cos + dy * sin, dy * cos - dx * sin
-            parameter[m] = math.atan2(v / ellipse[3], u / ellipse[2])
+        parameter = parameters_of(moved, ellipse)
         sorting = np.argsort(parameter, kind="mergesort")
+        parameter, moved = parameter[sorting], moved[sorting]
+        kept = support_inside(parameter, ellipse)
+        inner = moved[kept]
+        width = refit_tightly(inner, ellipse, max_size, min_size)
         rows[s] = ellipse
-        parameter = parameter[sorting]
-        covariances[s] = covariance_of(moved, sorting, parameter, ellipse)
+        covariances[s] = covariance_of(inner, parameters_of(inner, ellipse), ellipse, width)
         saliency[s, 0], saliency[s, 2] = gap_figures(parameter, ellipse)
         saliency[s, 1] = alignment_of(points, order, ends, arc_of, chosen, ellipse, tally)
     return rows, covariances, saliency

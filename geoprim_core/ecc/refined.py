@@ -38,8 +38,9 @@ from geoprim_core.ecc import _kernels_refined_clutter as _clutter
 from geoprim_core.ecc import _kernels_refined_final as _final
 from geoprim_core.ecc import _kernels_refined_select as _select
 from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs, gather_edges, split_arcs
-from geoprim_core.ecc.refined_candidates import Candidates, Verified, log_odds, pair_arcs, verify
+from geoprim_core.ecc.refined_candidates import Candidates, Verified, pair_arcs, verify
 from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.ecc.refined_score import SCORE_MAP
 from geoprim_core.errors import InputError
 from geoprim_core.params import as_params
 from geoprim_core.types import Contours, EllipseDetections, Ellipses, Polygons
@@ -188,7 +189,7 @@ def explain(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Ver
         verified.offsets,
         accepted,
         params.claim_reach,
-        log_odds(params.min_score),
+        SCORE_MAP.evidence_of(params.min_score),
     )
     return replace(verified, figures=figures)
 
@@ -214,7 +215,7 @@ def select(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Sele
         verified.figures,
         verified.offsets,
         verified.support,
-        log_odds(params.min_score),
+        SCORE_MAP.evidence_of(params.min_score),
         params.claim_reach,
         params.min_unclaimed,
         params.max_overlap,
@@ -233,8 +234,12 @@ def refit_chosen(
     """Refit the chosen ellipses to their support and describe them, best first.
 
     Robust least squares of the orthogonal (Sampson) distances, after what the edge stage's blur
-    has shrunk is undone (`edge_spread`); the covariance follows from the scatter of the distances
-    and their correlation along the outline.
+    has shrunk is undone (`edge_spread`), without the points beside gaps of the support, where what
+    hides the outline also bends its edge. The covariance follows from the scatter of the distances
+    at low frequencies along the outline and the doubt about a blur of the picture itself. It holds
+    to first order for x, y, the mean of the semi-axes and half their difference times the cosine
+    and the sine of twice the angle; of a circle the axes are told apart by chance, and its angle
+    is unknown. `geoprim_core.evaluation.coverage` measures how often it holds.
 
     References
     ----------

@@ -12,6 +12,7 @@ from geoprim_core.ecc import _kernels_refined_pairs as _pairs
 from geoprim_core.ecc import _kernels_refined_verify as _verify
 from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs
 from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.ecc.refined_score import SCORE_MAP
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,16 +83,8 @@ class Verified:
 
     @property
     def score(self) -> FloatArray:
-        """How likely each ellipse is right, in [0, 1], by its evidence."""
-        score: FloatArray = 1.0 / (1.0 + np.exp(-self.figures[:, 0]))
-        return score
-
-
-def log_odds(score: float) -> float:
-    """Return the log odds of a probability, infinite at 0 and 1."""
-    if score <= 0.0 or score >= 1.0:
-        return math.inf if score >= 1.0 else -math.inf
-    return math.log(score / (1.0 - score))
+        """The probability that each ellipse is right, by its evidence."""
+        return SCORE_MAP.probability(self.figures[:, 0])
 
 
 def pair_arcs(edges: EdgePoints, arcs: SmoothArcs, params: RefinedParams) -> Candidates:
@@ -156,8 +149,8 @@ def verify(
         candidates.ellipses,
         _limits(edges, params),
         edges.signed and params.same_polarity,
-        log_odds(params.claim_score),
-        log_odds(params.min_score),
+        SCORE_MAP.evidence_of(params.claim_score),
+        SCORE_MAP.evidence_of(params.min_score),
         params.max_tries,
         params.max_candidates,
     )

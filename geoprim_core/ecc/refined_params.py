@@ -112,7 +112,7 @@ class RefinedParams(Params):
         high=10.0,
     )
     claim_score: float = option(
-        0.95,
+        0.975,
         "verification: score from which an ellipse takes its arcs from later candidates",
         low=0.5,
         high=0.999999,
@@ -133,7 +133,9 @@ class RefinedParams(Params):
     max_overlap: float = option(
         0.8, "selection: largest overlap with a stronger ellipse", low=0.0, high=1.0
     )
-    min_score: float = option(0.5, "acceptance: least score", low=0.0, high=1.0)
+    min_score: float = option(
+        0.75, "acceptance: least probability of being right", low=0.0, high=1.0
+    )
     edge_spread: float = option(
         1.0,
         "refit: variance of the edge stage's blur (sigma^2 + 0.5), whose shrinkage is undone",

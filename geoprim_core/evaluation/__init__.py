@@ -1,5 +1,15 @@
 """Comparison with the truth: one-to-one matching, precision, recall, F-measure, reports."""
 
+from geoprim_core.evaluation.calibration import (
+    Reliability,
+    ScoredDetections,
+    collect_scores,
+    cross_scores,
+    fit_score,
+    measure_reliability,
+    reliability_table,
+)
+from geoprim_core.evaluation.coverage import Coverage, CoverageRow, measure_coverage
 from geoprim_core.evaluation.ground_truth import GroundTruth, load_ground_truth
 from geoprim_core.evaluation.matching import UNMATCHED, Matching, match_ellipses
 from geoprim_core.evaluation.report import POOLED, ImageScore, Report, ReportRow
@@ -10,15 +20,25 @@ __all__ = [
     "OVERLAPS",
     "POOLED",
     "UNMATCHED",
+    "Coverage",
+    "CoverageRow",
     "GroundTruth",
     "ImageScore",
     "Matching",
+    "Reliability",
     "Report",
     "ReportRow",
     "Score",
+    "ScoredDetections",
+    "collect_scores",
+    "cross_scores",
     "evaluate_images",
+    "fit_score",
     "load_ground_truth",
     "match_ellipses",
+    "measure_coverage",
+    "measure_reliability",
     "pool",
+    "reliability_table",
     "score_sequence",
 ]

@@ -3,6 +3,7 @@
 Every function is deterministic: the same arguments, seed included, give the same bytes.
 """
 
+from geoprim_core.synthetic.assorted import assorted_scenes
 from geoprim_core.synthetic.circles import ARRANGEMENTS, circles_image
 from geoprim_core.synthetic.discs import TARGETS, disc_scene, project_circle
 from geoprim_core.synthetic.scene import Scene
@@ -13,6 +14,7 @@ from geoprim_core.synthetic.shapes import (
     render_parity,
     visible_shares,
 )
+from geoprim_core.synthetic.single import SingleEllipse, single_ellipses
 from geoprim_core.synthetic.sorting import sorting_sequence
 from geoprim_core.synthetic.sorting_lines import SORTING_LINES, SortingLine, SortingObject
 from geoprim_core.synthetic.thesis import ALPHAS, thesis_image, thesis_set
@@ -24,8 +26,10 @@ __all__ = [
     "SORTING_LINES",
     "TARGETS",
     "Scene",
+    "SingleEllipse",
     "SortingLine",
     "SortingObject",
+    "assorted_scenes",
     "circles_image",
     "degraded",
     "disc_image",
@@ -35,6 +39,7 @@ __all__ = [
     "render_ellipses",
     "render_parity",
     "rotated",
+    "single_ellipses",
     "sorting_sequence",
     "thesis_image",
     "thesis_set",

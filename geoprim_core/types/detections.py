@@ -22,13 +22,16 @@ class EllipseDetections(Frozen):
     ----------
     ellipses : Ellipses, n of them
     score : (n,) float64
-        In [0, 1], larger is better.
+        In [0, 1], larger is better; of the `refined` scheme the probability that the ellipse is
+        right (overlap ratio of 0.8 or more with a true one).
     coverage, alignment, continuity : (n,) float64
         The saliency criteria of thesis 5.5.2: angular circumference ratio (5-10), alignment
         ratio (5-12) and angular continuity ratio (5-13), each in [0, 1].
     covariance : (n, 5, 5) float64
         Covariance of x, y, semi_major, semi_minor (pixels) and angle (radians) from the edge
-        residuals; NaN where it is not known.
+        residuals; NaN where it is not known. Of a near circle, whose axes are told apart by
+        chance, it describes x, y, the mean of the axes and half their difference as a vector at
+        twice the angle.
     image_size : (width, height) in pixels or None
     complete : bool
         False where a bound on the work left something out, so that ellipses may be missing.

@@ -122,3 +122,14 @@ def test_every_parameter_is_an_option_with_its_range(capsys):
     text = " ".join(capsys.readouterr().out.split())
     for option in DetectorParams.options():
         assert f"--{option.name}" in text
+
+
+def test_calibrate_judges_scores_and_covariances(tmp_path, capsys):
+    words = ["calibrate", "--scenes", "1", "--singles", "30", "--fit", "--output", str(tmp_path)]
+    assert main(words) == 0
+    text = capsys.readouterr().out
+    assert text.count("| occluded filled |") == 2, "before and after the fit"
+    assert "log_odds [" in text
+    assert "joint 68 %" in text
+    assert (tmp_path / "reliability.png").stat().st_size > 1000
+    assert (tmp_path / "coverage.png").stat().st_size > 1000

@@ -85,18 +85,6 @@ def test_the_offset_is_the_distance_along_the_normal(ellipse, height):
     assert abs(nx * nx + ny * ny - 1) < 1e-9
 
 
-def test_the_covariance_of_a_circle_is_the_textbook_one():
-    # n points with variance s^2 all round: the centre has the variance 2 s^2 / n.
-    circle = np.array([50.0, 40.0, 20.0, 20.0, 0.0])
-    random = np.random.default_rng(1)
-    t = np.linspace(-np.pi, np.pi, 400, endpoint=False)
-    radius = 20 + 0.1 * random.standard_normal(400)
-    points = np.stack([50 + radius * np.cos(t), 40 + radius * np.sin(t)], axis=1)
-    covariance = final.covariance_of(points, np.arange(400), t, circle)
-    assert np.allclose(np.diag(covariance)[:2], 2 * 0.1**2 / 400, rtol=0.35)
-    assert 0.5 < np.sqrt(covariance[4, 4]) < np.pi / np.sqrt(12) + 1e-6
-
-
 def test_gap_figures_of_a_half_circle():
     circle = np.array([0.0, 0.0, 50.0, 50.0, 0.0])
     coverage, continuity = final.gap_figures(np.linspace(-np.pi / 2, np.pi / 2, 200), circle)

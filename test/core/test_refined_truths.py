@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from geoprim_core.ecc._kernels_refined_covariance import BLUR_DOUBT
 from geoprim_core.ecc.refined import OUTCOMES, detect_refined, trace_refined
 from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.edges import EdgeParams, extract_contours
@@ -148,7 +149,11 @@ def test_the_covariance_is_that_of_many_noisy_pictures():
     spread = np.std(rows, axis=0)
     told = np.sqrt(np.mean([np.diag(c) for c in claimed], axis=0))
     assert np.all(told / spread > 0.6)
-    assert np.all(told / spread < 1.7)
+    # The axes are in doubt also by a blur that the picture may have: at the major axis, where the
+    # outline is bent most, by half its variance over the radius of curvature.
+    doubt = 0.5 * BLUR_DOUBT / np.array([28.0**2 / 45.0, 45.0**2 / 28.0])
+    assert np.all(told[[0, 1, 4]] / spread[[0, 1, 4]] < 1.7)
+    assert np.all(told[2:4] < 1.7 * spread[2:4] + doubt)
     for covariance in claimed[:5]:
         assert np.array_equal(covariance, covariance.T)
         assert np.linalg.eigvalsh(covariance).min() > 0

@@ -1,0 +1,134 @@
+"""Kernels of the `refined` scheme: what the scatter of the edge points says of an ellipse."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from geoprim_core._check import FloatArray
+from geoprim_core._jit import kernel
+from geoprim_core.ecc._kernels_refined_fit import offset_of, solve5
+
+ANGLE_PRIOR = 12.0 / math.pi**2  # inverse variance of an angle of which nothing is known
+
+# The noise of the distances at low frequencies along the outline, see `noise_of`.
+POINTS_PER_WAVE = 8  # half-waves shorter than so many points tell of single points only
+LEAST_WAVES, MOST_WAVES = 6, 20
+OWN_SHARE = 0.1  # of a wave that must be left when what the ellipse takes up is removed
+USUAL_WAVES = 6.0  # the usual ratio counts like so many waves
+USUAL_RATIO = 2.75  # of the noise at low frequencies to the variance, measured
+SMALL_SAMPLE = 5.5  # over the number of waves: what is added for not knowing the noise well
+BLUR_DOUBT = 0.75  # pixels^2, by which the variance of a picture's own blur is unknown
+
+
+@kernel
+def noise_of(distances: FloatArray, rows: FloatArray, inverse: FloatArray) -> float:
+    """Return the variance per point of distances, in order, at low frequencies along an outline.
+
+    Neighbouring edge points err alike, so the errors that move an ellipse are those at low
+    frequencies. Cosine waves along the support, less the part that the ellipse has taken up
+    (`rows` are the derivatives, `inverse` that of their normal matrix), measure them.
+
+    References
+    ----------
+    Mueller, A theory of robust long-run variance estimation, Journal of Econometrics 141 (2007).
+    """
+    count = len(distances)
+    variance = 0.0
+    for k in range(count):
+        variance += distances[k] * distances[k]
+    variance /= max(1, count - 5)
+    waves = min(MOST_WAVES, max(LEAST_WAVES, count // POINTS_PER_WAVE))
+    waves = min(waves, count // 3)
+    power = USUAL_WAVES * USUAL_RATIO * variance
+    used = USUAL_WAVES
+    part = np.empty(5)
+    for wave in range(1, waves + 1):
+        part[:] = 0.0
+        value = 0.0
+        double = 2.0 * math.cos(math.pi * wave / count)
+        now = math.cos(0.5 * math.pi * wave / count)
+        before = now
+        for k in range(count):
+            value += now * distances[k]
+            for i in range(5):
+                part[i] += now * rows[k, i]
+            now, before = double * now - before, now
+        own = 0.5 * count
+        for i in range(5):
+            for j in range(5):
+                own -= part[i] * inverse[i, j] * part[j]
+        if own > OWN_SHARE * 0.5 * count:
+            power += value * value / own
+            used += 1.0
+    return power / used * (1.0 + SMALL_SAMPLE / used)
+
+
+@kernel
+def inverse_of(matrix: FloatArray) -> tuple[FloatArray, bool]:
+    """Return the inverse of a symmetric positive definite 5x5 matrix; False where it has none."""
+    result = np.zeros((5, 5))
+    for i in range(5):
+        result[i, i] = 1.0
+        if not solve5(matrix.copy(), result[i]):
+            return result, False
+    return 0.5 * (result + result.T), True
+
+
+@kernel
+def covariance_of(
+    points: FloatArray, parameter: FloatArray, ellipse: FloatArray, width: float
+) -> FloatArray:
+    """Return the covariance (5, 5) of an ellipse from the distances of its points, in order.
+
+    That of an M-estimate with Tukey's weights of a `width` in pixels, from the noise at low
+    frequencies along the outline, and a systematic part: what a blur of the picture that nobody
+    knows has moved the outline inwards. NaN when the points do not determine the ellipse.
+    """
+    count = len(points)
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    a, b = ellipse[2], ellipse[3]
+    rows = np.empty((count, 5))
+    distances = np.empty(count)
+    bent = np.zeros(5)
+    slope = 0.0
+    for k in range(count):
+        d, nx, ny = offset_of(ellipse, cos, sin, points[k, 0], points[k, 1])
+        ct, st = math.cos(parameter[k]), math.sin(parameter[k])
+        nu, nv = nx * cos + ny * sin, ny * cos - nx * sin
+        row = rows[k]
+        row[0], row[1], row[2], row[3] = nx, ny, ct * nu, st * nv
+        row[4] = a * ct * nv - b * st * nu
+        ratio = min(1.0, d * d / (width * width))
+        distances[k] = (1.0 - ratio) * (1.0 - ratio) * d
+        slope += (1.0 - ratio) * (1.0 - 5.0 * ratio)
+        shift = 0.5 / radius_at(nu, nv, a, b)
+        for i in range(5):
+            bent[i] += row[i] * shift
+    distances /= max(0.3, slope / count)
+    normal = rows.T @ rows
+    scale = normal[0, 0] + normal[1, 1]
+    # An angle that nothing determines must not make the normal matrix singular.
+    regular = normal.copy()
+    regular[4, 4] += 1e-6 * scale
+    inverse, good = inverse_of(regular)
+    if not good:
+        return np.full((5, 5), np.nan)
+    noise = max(noise_of(distances, rows, inverse), 1e-10)
+    normal /= noise
+    normal[4, 4] += ANGLE_PRIOR
+    result, good = inverse_of(normal)
+    if not good:
+        return np.full((5, 5), np.nan)
+    drift = BLUR_DOUBT / noise * (result @ bent)
+    for i in range(5):
+        for j in range(5):
+            result[i, j] += drift[i] * drift[j]
+    return result
+
+
+@kernel
+def radius_at(nu: float, nv: float, a: float, b: float) -> float:
+    """Return the radius of curvature of an ellipse where its unit normal is (nu, nv)."""
+    return float(a * a * b * b / (a * a * nu * nu + b * b * nv * nv) ** 1.5)
