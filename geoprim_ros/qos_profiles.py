@@ -121,7 +121,7 @@ def _policy(where: str, kind: Any, value: object) -> Any:
     """Return a policy by its name, or its number as files before Jazzy have it."""
     number = isinstance(value, int) and not isinstance(value, bool)
     try:
-        return kind(value) if number else kind.get_from_short_key(value)
+        return kind(value if number else kind.get_from_short_key(value))
     except (KeyError, ValueError, AttributeError, TypeError):
         names = ", ".join(policy.short_key for policy in kind if policy.short_key != "unknown")
         raise InputError(where, f"one of {names}", repr(value)) from None

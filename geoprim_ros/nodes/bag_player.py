@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shutil
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -42,7 +43,7 @@ _SLEEP_S = 0.002
 # So often keys, the progress bar and, where messages come without a pause, services have a turn.
 _TURN_S = 0.05
 _BAR_PERIOD_S = 0.1
-_BAR = "{desc}: {n:.1f} of {total:.1f} s |{bar}| {postfix}"
+_BAR = "{desc}: {n:.1f} of {total:.1f} s |{bar}|{postfix}"
 
 
 class BagPlayer(Node):  # type: ignore[misc]
@@ -270,16 +271,17 @@ def _play_all(
     reader = player.reader
     controls = Controls(player, playback, reader.time_range[0], player.send)
     keyboard = Keyboard(-1 if options.disable_keyboard_controls else None)
-    with keyboard, Progress(playback, quiet=options.quiet) as progress:
+    with keyboard:
         if keyboard.active and not options.quiet:
             print(KEYS, file=sys.stderr)
+        with Progress(playback, quiet=options.quiet) as progress:
 
-        def turn() -> None:
-            for key in keyboard.typed():
-                controls.press(key)
-            progress.show()
+            def turn() -> None:
+                for key in keyboard.typed():
+                    controls.press(key)
+                progress.show()
 
-        play(player, executor, playback, turn)
+            play(player, executor, playback, turn)
     missing = player.unacknowledged(options.wait_for_all_acked)
     if missing:
         print(f"not acknowledged by every reader: {', '.join(missing)}", file=sys.stderr)
@@ -295,28 +297,32 @@ class Progress:
         self._playback, self._shown = playback, 0.0
         self._start = playback.source.start_ns
         total = (playback.source.end_ns - self._start) * 1e-9
-        # None: quiet unless it is a terminal
-        self._bar = tqdm(total=total, desc="playing", bar_format=_BAR, disable=quiet or None)
+        size = shutil.get_terminal_size()  # also where a terminal says that it has none
+        self._bar = tqdm(
+            total=total, desc="playing", bar_format=_BAR, ncols=size.columns, nrows=size.lines,
+            disable=quiet or None,  # None: quiet unless it is a terminal
+        )  # fmt: skip
 
     def __enter__(self) -> Progress:
         return self
 
     def __exit__(self, *reason: object) -> None:
         """Leave the last state on the screen."""
-        self.show(at_once=True)
+        self._shown = 0.0
+        self.show()
         self._bar.close()
 
-    def show(self, *, at_once: bool = False) -> None:
+    def show(self) -> None:
         """Draw the bar anew, unless that was a moment ago."""
         now = time.monotonic()
-        if self._bar.disable or (now - self._shown < _BAR_PERIOD_S and not at_once):
+        if self._bar.disable or now - self._shown < _BAR_PERIOD_S:
             return
         self._shown = now
         playback = self._playback
         self._bar.n = (playback.position() - self._start) * 1e-9
         state = ", paused" if playback.paused else ""
         text = f"rate {playback.rate:g}, {playback.sent} messages{state}"
-        self._bar.set_postfix_str(text, refresh=True)
+        self._bar.set_postfix_str(text)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,10 @@ import time
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from std_msgs.msg import Header
 
+from geoprim_core.io.bags import BagWriter
+from geoprim_core.io.record import header
 from geoprim_ros.keyboard import Keyboard, split_keys
 
 ECHO = """
@@ -166,3 +169,58 @@ def test_keys_do_not_depend_on_how_the_terminal_cuts_them(text, data):
     first, rest = split_keys(text[:at])
     second, rest = split_keys(rest + text[at:])
     assert (first + second, rest) == split_keys(text)
+
+
+@pytest.fixture
+def bag(tmp_path):
+    path = tmp_path / "in.mcap"
+    with BagWriter(path) as writer:
+        for i in range(100):
+            writer.write("/numbers", header(i, "n"), 10**18 + i * 100_000_000)
+    return path
+
+
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
+def test_the_player_is_steered_by_keys_and_shows_where_it_is(graph, terminal, bag, end):
+    got = graph.collect(graph.node("listener"), Header, "/numbers", 500)
+    screen = terminal("-m", "geoprim_ros.nodes.bag_player", bag, "-p", "--wait-for-readers", 1)
+
+    def shown(text):
+        graph.spin_until(lambda: text in screen.read(0.0), what=f"{text!r} on the screen")
+
+    shown("space     pause and go on")
+    shown("playing: 0.0 of 9.9 s")
+    shown("rate 1, 0 messages, paused")
+    screen.type("\x1b[C\x1b[C")  # right, twice
+    graph.spin_until(lambda: len(got) == 2)
+    shown("playing: 0.1 of 9.9 s")
+    screen.type("+++")
+    shown("rate 1.331, 2 messages, paused")
+    screen.type("-\x1b[B")  # slower twice
+    shown("rate 1.1, 2 messages, paused")
+    screen.type(" ")
+    graph.spin_until(lambda: len(got) > 5)
+    screen.type("\x1b[C")  # right: five seconds on
+    graph.spin_until(lambda: got[-1].stamp.nanosec >= 50)
+    screen.type(" \x1b[D")  # pause, and five seconds back
+    graph.spin_for(0.3)
+    del got[:]
+    screen.type("\x1b[C")
+    graph.spin_until(lambda: len(got) == 1)
+    assert 0 < got[0].stamp.nanosec < 50
+    assert screen.settings() != screen.before
+    screen.process.send_signal(end)
+    assert screen.wait() == 0
+    assert screen.settings() == screen.before
+
+
+def test_the_player_can_leave_the_terminal_alone(graph, terminal, bag):
+    got = graph.collect(graph.node("listener"), Header, "/numbers", 500)
+    words = ("--disable-keyboard-controls", "--quiet", "--wait-for-readers", 1, "-r", 20)
+    screen = terminal("-m", "geoprim_ros.nodes.bag_player", bag, *words)
+    graph.spin_until(lambda: len(got) > 3)
+    assert screen.settings() == screen.before
+    screen.type(" ")
+    graph.spin_until(lambda: len(got) == 100)
+    assert screen.wait() == 0
+    assert "playing" not in screen.text
