@@ -34,14 +34,13 @@ HEAD = "| image | rate | frames | sent: mean | sd | worst | interval sd | receiv
 | bare sleep: mean | sd |"
 START_NS = 1_700_000_000_000_000_000
 SETTLED_S = 2.0
-DEFAULT_HZ = 30.0
 
 
 def main() -> None:
     """Run every size at every rate and print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--frames", type=int, default=500)
-    parser.add_argument("--hz", type=float, default=DEFAULT_HZ, help="rate of the recording")
+    parser.add_argument("--hz", type=float, default=30.0, help="rate of the recording")
     parser.add_argument("--rates", type=float, nargs="+", default=[1.0, 4.0])
     parser.add_argument("--channels", type=int, nargs="+", default=[1, 3], choices=[1, 3])
     options = parser.parse_args()
@@ -53,7 +52,7 @@ def main() -> None:
             bag = Path(folder, f"{channels}.mcap")
             write_bag(bag, channels, options.frames, round(1e9 / options.hz))
             for rate in options.rates:
-                print(row(bag, channels, rate), flush=True)
+                print(row(bag, channels, rate, options.hz), flush=True)
 
 
 def write_bag(path: Path, channels: int, frames: int, step_ns: int) -> None:
@@ -65,7 +64,7 @@ def write_bag(path: Path, channels: int, frames: int, step_ns: int) -> None:
             bag.write("image", image_record(image, START_NS + i * step_ns, "camera"))
 
 
-def row(bag: Path, channels: int, rate: float) -> str:
+def row(bag: Path, channels: int, rate: float, hz: float) -> str:
     """Play once and return the row of the table."""
     sent: list[int] = []
     received: list[int] = []
@@ -79,7 +78,7 @@ def row(bag: Path, channels: int, rate: float) -> str:
 
     late: list[float] = []
     stop = threading.Event()
-    sleeper = threading.Thread(target=_sleep, args=(1 / (DEFAULT_HZ * rate), stop, late))
+    sleeper = threading.Thread(target=_sleep, args=(1 / (hz * rate), stop, late))
     sleeper.start()
     try:
         in_rclpy(lambda executor, nodes: _listen(executor, nodes, receive, bag, rate), ())

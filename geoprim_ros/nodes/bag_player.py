@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import shutil
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rclpy.duration import Duration
+from rclpy.exceptions import InvalidTopicNameException
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rosgraph_msgs.msg import Clock
-from tqdm import tqdm
 
 from geoprim_core.errors import BagError, InputError
 from geoprim_core.io.bags import IMAGE_TYPES, BagMessage, BagReader, Topic
@@ -25,6 +24,7 @@ from geoprim_ros.keyboard import Keyboard
 from geoprim_ros.playback import Playback
 from geoprim_ros.player_controls import KEYS, Controls
 from geoprim_ros.player_options import filter_of, parser
+from geoprim_ros.player_progress import Progress
 from geoprim_ros.qos_profiles import (
     Policies,
     is_latched,
@@ -38,12 +38,11 @@ from geoprim_ros.stage_node import result_qos
 
 # Deep enough that a reliable reader, which takes its time, still finds every frame.
 _DEPTH = 50
+_SHORTEST_CDR = 4  # the bytes that tell the encoding
 # The last stretch before a message is slept, as the executor wakes up too late for it.
 _SLEEP_S = 0.002
 # So often keys, the progress bar and, where messages come without a pause, services have a turn.
 _TURN_S = 0.05
-_BAR_PERIOD_S = 0.1
-_BAR = "{desc}: {n:.1f} of {total:.1f} s |{bar}|{postfix}"
 
 
 class BagPlayer(Node):  # type: ignore[misc]
@@ -82,12 +81,14 @@ class BagPlayer(Node):  # type: ignore[misc]
         self._overrides = {name.lstrip("/"): p for name, p in (overrides or {}).items()}
         self._publishers_by_topic: dict[str, Any] = {}
         self._latched: dict[str, int] = {}
+        self.not_sent = 0
         self.topics: list[Topic] = []
         for topic in self._choice.of(reader):
             if topic.count and not (clock_hz > 0 and topic.name.lstrip("/") == "clock"):
                 self._advertise(topic)
         if not self.topics:
             raise BagError(f"{reader.path} holds no message that can be played")
+        self._types = {topic.name: topic.type for topic in self.topics}
         self._bag_clock = self.create_publisher(Clock, "/clock", 10) if clock_hz > 0 else None
         self._clock_period = 1.0 / clock_hz if clock_hz > 0 else float("inf")
         self._next_clock = 0.0
@@ -114,8 +115,11 @@ class BagPlayer(Node):  # type: ignore[misc]
         return [name for name in names if counts[name] < readers]
 
     def send(self, message: BagMessage) -> None:
-        """Publish one message as it stands in the bag."""
-        self._publishers_by_topic[message.topic].publish(message.raw)
+        """Publish one message as it stands in the bag, unless it is none."""
+        if len(message.raw) < _SHORTEST_CDR:  # readers in other processes choke on it
+            self.not_sent += 1
+        elif message.type == self._types[message.topic]:
+            self._publishers_by_topic[message.topic].publish(message.raw)
 
     def tick(self, bag_time_ns: int) -> float:
         """Publish the bag's time on /clock when it is time; return the seconds to the next time."""
@@ -142,19 +146,25 @@ class BagPlayer(Node):  # type: ignore[misc]
         return sorted(waiting) if limit_s and self.context.ok() else []
 
     def _advertise(self, topic: Topic) -> None:
+        """Make the publisher of a topic, or tell why there is none."""
         try:
-            kind = message_class(topic.type)
-        except InputError:
+            self._publishers_by_topic[topic.name] = self._publisher(topic)
+        except (InputError, InvalidTopicNameException) as problem:
+            reason = " ".join(str(problem).split())
             if self._choice.names(topic.name):
-                raise BagError(f"topic {topic.name}: {topic.type} is not installed") from None
-            self.get_logger().warning(f"topic {topic.name} is left out: no {topic.type} here")
-            return
-        qos = self._profile(topic.name)
+                raise BagError(f"topic {topic.name} ({topic.type}): {reason}") from None
+            self.get_logger().warning(f"topic {topic.name} ({topic.type}) is left out: {reason}")
+        else:
+            self.topics.append(topic)
+
+    def _publisher(self, topic: Topic) -> Any:
+        if topic.name in self._publishers_by_topic:
+            raise InputError("type", "one type a topic", "another one beside")
+        kind = message_class(topic.type)
         name = self._remap.get(topic.name.lstrip("/"), topic.name)
-        self.topics.append(topic)
-        self._publishers_by_topic[topic.name] = self.create_publisher(
-            kind, name, qos, qos_overriding_options=QoSOverridingOptions.with_default_policies()
-        )
+        options = QoSOverridingOptions.with_default_policies()
+        qos = self._profile(topic.name)
+        return self.create_publisher(kind, name, qos, qos_overriding_options=options)
 
     def _profile(self, name: str) -> QoSProfile:
         """Return how a topic is published: reliably, and latched where it was recorded so."""
@@ -287,42 +297,9 @@ def _play_all(
         print(f"not acknowledged by every reader: {', '.join(missing)}", file=sys.stderr)
     if reader.losses:
         print(f"{reader.path}: {reader.losses}", file=sys.stderr)
-    return 1 if reader.losses or missing else 0
-
-
-class Progress:
-    """A bar that shows position and rate; none where the output is no terminal."""
-
-    def __init__(self, playback: Playback[BagMessage], *, quiet: bool) -> None:
-        self._playback, self._shown = playback, 0.0
-        self._start = playback.source.start_ns
-        total = (playback.source.end_ns - self._start) * 1e-9
-        size = shutil.get_terminal_size()  # also where a terminal says that it has none
-        self._bar = tqdm(
-            total=total, desc="playing", bar_format=_BAR, ncols=size.columns, nrows=size.lines,
-            disable=quiet or None,  # None: quiet unless it is a terminal
-        )  # fmt: skip
-
-    def __enter__(self) -> Progress:
-        return self
-
-    def __exit__(self, *reason: object) -> None:
-        """Leave the last state on the screen."""
-        self._shown = 0.0
-        self.show()
-        self._bar.close()
-
-    def show(self) -> None:
-        """Draw the bar anew, unless that was a moment ago."""
-        now = time.monotonic()
-        if self._bar.disable or now - self._shown < _BAR_PERIOD_S:
-            return
-        self._shown = now
-        playback = self._playback
-        self._bar.n = (playback.position() - self._start) * 1e-9
-        state = ", paused" if playback.paused else ""
-        text = f"rate {playback.rate:g}, {playback.sent} messages{state}"
-        self._bar.set_postfix_str(text)
+    if player.not_sent:
+        print(f"{reader.path}: {player.not_sent} messages without content", file=sys.stderr)
+    return 1 if reader.losses or missing or player.not_sent else 0
 
 
 if __name__ == "__main__":

@@ -221,6 +221,38 @@ def test_what_cannot_be_played_is_one_sentence(bag, words, said, capsys):
     assert said in error and error.count("\n") == 1
 
 
+def test_topics_that_ros_cannot_have_are_left_out_or_refused(graph, tmp_path, capsys):
+    path = tmp_path / "odd.mcap"
+    data = serialize(header(1, "a"))
+    with BagWriter(path) as writer:
+        writer.write_raw("/a-b", "std_msgs/msg/Header", data, 1)
+        writer.write_raw("/two", "std_msgs/msg/Header", data, 2)
+        writer.write_raw("/two", "std_msgs/msg/String", b"\0\1\0\0\1\0\0\0\0", 3)
+        writer.write_raw("/fine", "std_msgs/msg/Header", b"", 4)  # what blocks a reader for good
+        writer.write_raw("/fine", "std_msgs/msg/Header", data, 5)
+        writer.write_raw("/odd", "other_msgs/msg/Odd", b"", 6, definition="bool flag")
+    node = graph.node("listener")
+    fine = graph.collect(node, Header, "/fine")
+    two = graph.collect(node, Header, "/two")
+    player = graph.start(PLAYER, path, "--start-paused", "--wait-for-readers", 1, "-x", "a-b|odd")
+    remote = Remote(graph, node)
+    assert [remote.trigger("play_next")[0] for _ in range(5)] == [True] * 4 + [False]
+    graph.spin_until(lambda: fine and two)
+    assert remote.trigger("resume")[0]
+    graph.spin_until(lambda: player.poll() is not None)
+    text = player.stderr.read()
+    assert player.returncode == 1, text
+    assert "1 messages without content" in text
+    assert "/two (std_msgs/msg/String) is left out" in text
+    for words, said in (
+        (["--topics", "a-b"], "topic /a-b (std_msgs/msg/Header): Invalid topic name"),
+        (["--topics", "odd"], "topic /odd (other_msgs/msg/Odd): type_name"),
+        (["--topics", "fine", "--remap", "fine:=x-y"], "Invalid topic name"),
+    ):
+        assert bag_player.main([str(path), *words]) == 2
+        assert said in capsys.readouterr().err
+
+
 READER = """
 import sys, time
 import rclpy
