@@ -21,6 +21,17 @@ def words(*texts):
     return [String(data=text) for text in texts]
 
 
+def wait_for_recorder(graph, node, *topics):
+    """Wait until the recorder has met the publishers of some topics; they may meet it before."""
+    said = graph.collect(node, DiagnosticArray, "/diagnostics", 50)
+
+    def met(topic):
+        pairs = {p.key: p.value for s in (said[-1].status if said else ()) for p in s.values}
+        return pairs.get(f"publishers of {topic}", "0") != "0"
+
+    graph.spin_until(lambda: all(met(topic) for topic in topics), what=f"publishers of {topics}")
+
+
 def stop(graph, recorder):
     """End the recorder as Ctrl-C does."""
     recorder.send_signal(signal.SIGINT)
@@ -38,9 +49,9 @@ def test_after_a_kill_all_but_the_last_moment_is_there(graph, tmp_path, compress
     recorder = graph.start(
         RECORDER, path, "--topics", "contours", "--flush-period", 0.2, "--compression", compression
     )
-    publisher = graph.node("source").create_publisher(Contours, "contours", 50)
-    graph.spin_until(publisher.get_subscription_count)
-    graph.spin_for(0.3)
+    node = graph.node("source")
+    publisher = node.create_publisher(Contours, "contours", 50)
+    wait_for_recorder(graph, node, "/contours")
     for i in range(20):
         message = Contours(image_width=i)
         message.header.stamp.sec = 1 + i
@@ -63,10 +74,9 @@ def test_everything_is_recorded_but_what_is_left_out(graph, tmp_path):
     for publisher in publishers:
         publisher.publish(String(data=publisher.topic_name))
     recorder = graph.start(RECORDER, path, "--all", "--exclude-regex", "less$|diagnostics")
-    graph.spin_until(lambda: all(p.get_subscription_count() for p in publishers[:2]))
+    wait_for_recorder(graph, node, *names[:2])
     late = node.create_publisher(Header, "/late", 10)  # which appears while it records
-    graph.spin_until(late.get_subscription_count)
-    graph.spin_for(0.2)
+    wait_for_recorder(graph, node, "/late")
     before = time.time_ns()
     late.publish(Header())
     graph.spin_for(0.5)
@@ -89,8 +99,7 @@ def test_what_was_latched_before_the_start_is_recorded_and_stays_latched(graph, 
     for message in words("one", "two"):
         latched.publish(message)
     recorder = graph.start(RECORDER, path, "--topics", "/map", "/noise")
-    graph.spin_until(lambda: latched.get_subscription_count() and plain.get_subscription_count())
-    graph.spin_for(0.3)
+    wait_for_recorder(graph, node, "/map", "/noise")
     plain.publish(String(data="x"))
     latched.publish(String(data="three"))
     graph.spin_for(0.5)
@@ -114,15 +123,14 @@ def test_counts_are_told_and_overrides_are_heeded(graph, tmp_path):
         "--qos-profile-overrides-path", overrides,
     )  # fmt: skip
     contours = node.create_publisher(Contours, "contours", 5)
-    graph.spin_until(contours.get_subscription_count)
 
     def asked():
         return [info.qos_profile for info in node.get_subscriptions_info_by_topic("/words")]
 
     graph.spin_until(asked)
+    wait_for_recorder(graph, node, "/contours")
     assert asked()[0].durability == DurabilityPolicy.TRANSIENT_LOCAL  # and so they do not match
     assert volatile.get_subscription_count() == 0
-    graph.spin_for(0.3)
     contours.publish(Contours())
 
     def values():
@@ -139,9 +147,9 @@ def test_counts_are_told_and_overrides_are_heeded(graph, tmp_path):
 def test_a_recording_in_parts_is_one_bag(graph, tmp_path):
     folder = tmp_path / "run"
     recorder = graph.start(RECORDER, folder, "--topics", "/words", "--split-duration", 0.3)
-    publisher = graph.node("source").create_publisher(String, "/words", 50)
-    graph.spin_until(publisher.get_subscription_count)
-    graph.spin_for(0.3)
+    node = graph.node("source")
+    publisher = node.create_publisher(String, "/words", 50)
+    wait_for_recorder(graph, node, "/words")
     for i in range(12):
         publisher.publish(String(data=str(i)))
         graph.spin_for(0.1)
