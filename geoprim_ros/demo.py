@@ -12,7 +12,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +27,7 @@ from geoprim_core.io.record import stamp_of
 from geoprim_ros.demo_report import Scenario, report
 from geoprim_ros.environment import config_folder
 from geoprim_ros.nodes.bag_player import BagPlayer, play, wait_for_readers
+from geoprim_ros.playback import Playback
 from geoprim_ros.spin import in_rclpy
 from geoprim_ros.stage_node import result_qos
 
@@ -55,7 +56,7 @@ def scenarios_of(reader: BagReader, folder: Path) -> list[Scenario]:
 
 
 class DemoPlayer(BagPlayer):
-    """A bag player that plays one scenario at a time and takes the time of the answers."""
+    """A bag player that takes the time of the answers to the images of a scenario."""
 
     def __init__(self, reader: BagReader) -> None:
         super().__init__(reader)
@@ -63,13 +64,6 @@ class DemoPlayer(BagPlayer):
         self._recorder: dict[str, str] = {}
         self.create_subscription(Detections, "detections", self._answer, result_qos(50))
         self.create_subscription(DiagnosticArray, "/diagnostics", self._note, 10)
-
-    def messages(self) -> Iterator[BagMessage]:
-        """Yield the messages of the present scenario."""
-        assert self.scenario is not None
-        for message in super().messages():
-            if self.scenario.start_ns <= message.log_time_ns <= self.scenario.end_ns:
-                yield message
 
     def send(self, message: BagMessage) -> None:
         """Publish one message; note the time where it is an image."""
@@ -124,8 +118,13 @@ def run_scenario(
     try:
         wait_for_graph(player, executor, graph, recorded)
         title = Path(scenario.config).stem
+        part = player.source.between(scenario.start_ns, scenario.end_ns)
         with tqdm(total=scenario.frames, unit="frame", desc=title, disable=None) as bar:
-            play(player, executor, rate=rate, bar=_ImagesOnly(bar, player))
+            play(
+                player, executor, Playback(part, rate=rate),
+                lambda: bar.update(len(scenario.sent) - bar.n),
+            )  # fmt: skip
+            bar.update(len(scenario.sent) - bar.n)
             limit = time.monotonic() + _ANSWER_LIMIT_S
             while len(scenario.answered) < len(scenario.sent) and time.monotonic() < limit:
                 executor.spin_once(timeout_sec=0.05)
@@ -152,17 +151,6 @@ def wait_for_graph(
             raise BagError(f"graph and recorder did not start within {_START_LIMIT_S:g} s")
         executor.spin_once(timeout_sec=0.1)
     wait_for_readers(player, executor, 1, 1.0)
-
-
-class _ImagesOnly:
-    """Moves a progress bar on by the images that were sent, not by every message."""
-
-    def __init__(self, bar: Any, player: DemoPlayer) -> None:
-        self._bar, self._player = bar, player
-
-    def update(self) -> None:
-        if self._player.scenario is not None:
-            self._bar.update(len(self._player.scenario.sent) - self._bar.n)
 
 
 def start(words: list[str]) -> subprocess.Popen[bytes]:

@@ -1,4 +1,4 @@
-"""Writing MCAP bags that ROS 2 and Foxglove read: zstd chunks with CRC, whole or not at all."""
+"""Writing MCAP bags that ROS 2 and Foxglove read: compressed chunks with CRC."""
 
 from __future__ import annotations
 
@@ -11,9 +11,15 @@ from typing import IO, Self
 
 from mcap.writer import CompressionType, Writer
 
-from geoprim_core.errors import FileError
+from geoprim_core.errors import FileError, InputError
 from geoprim_core.io.definitions import schema_text, serialize, type_hash, typestore
 from geoprim_core.io.record import Record, stamp_of
+
+COMPRESSIONS = {
+    "zstd": CompressionType.ZSTD,
+    "lz4": CompressionType.LZ4,
+    "none": CompressionType.NONE,
+}
 
 
 class BagWriter:
@@ -28,9 +34,16 @@ class BagWriter:
     path : path of the .mcap file
     chunk_bytes : int
         Messages are packed together up to this size; what is damaged later is lost by the chunk.
+    compression : {"zstd", "lz4", "none"}
+        How the chunks are compressed.
+    in_place : bool
+        Grow under the final name, and keep what was written whatever happens: for a recording,
+        where half of it is worth more than nothing.
 
     Raises
     ------
+    InputError
+        The compression is not known.
     FileError
         The file cannot be written; also raised while writing, when the disk is full.
 
@@ -45,9 +58,19 @@ class BagWriter:
     ['small.mcap']
     """
 
-    def __init__(self, path: str | os.PathLike[str], chunk_bytes: int = 1 << 20) -> None:
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        chunk_bytes: int = 1 << 20,
+        *,
+        compression: str = "zstd",
+        in_place: bool = False,
+    ) -> None:
+        if compression not in COMPRESSIONS:
+            raise InputError("compression", f"one of {', '.join(COMPRESSIONS)}", compression)
         self.path = Path(path)
-        self._temporary = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
+        part = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
+        self._temporary = self.path if in_place else part
         self._schemas: dict[tuple[str, str], int] = {}
         self._channels: dict[tuple[str, int], int] = {}
         self._counts: dict[int, int] = {}
@@ -57,7 +80,7 @@ class BagWriter:
             self._file: IO[bytes] = self._temporary.open("wb")
         except OSError as error:
             raise _unwritable(self.path, error) from None
-        self._writer = Writer(self._file, chunk_bytes, CompressionType.ZSTD)
+        self._writer = Writer(self._file, chunk_bytes, COMPRESSIONS[compression])
         self._writer.start(profile="ros2", library="geoprim")
 
     def __enter__(self) -> Self:
@@ -89,14 +112,22 @@ class BagWriter:
         self.write_raw(topic, record.type, serialize(record), time)
 
     def write_raw(
-        self, topic: str, type_name: str, data: bytes, log_time_ns: int, definition: str = ""
+        self,
+        topic: str,
+        type_name: str,
+        data: bytes,
+        log_time_ns: int,
+        definition: str = "",
+        offered_qos: str = "",
     ) -> None:
         """Write a message that is serialised already.
 
-        `definition` is the schema text of a type that neither ROS 2 Jazzy nor geoprim_msgs has.
+        `definition` is the schema text of a type that neither ROS 2 Jazzy nor geoprim_msgs has;
+        `offered_qos`, heeded at the first message of a topic, the profiles of its publishers as
+        rosbag2 writes them.
         """
         try:
-            channel = self._channel(topic, type_name, definition)
+            channel = self._channel(topic, type_name, definition, offered_qos)
             count = self._counts[channel] = self._counts.get(channel, -1) + 1
             self._writer.add_message(channel, log_time_ns, data, log_time_ns, count)
         except OSError as error:
@@ -109,6 +140,18 @@ class BagWriter:
         except OSError as error:
             raise _unwritable(self.path, error) from None
 
+    def flush(self) -> None:
+        """End the chunk and hand all to the system, so that it outlives this process."""
+        try:
+            self._writer.flush()
+        except OSError as error:
+            raise _unwritable(self.path, error) from None
+
+    @property
+    def size(self) -> int:
+        """Bytes written until now, without the chunk that is still growing."""
+        return self._file.tell()
+
     def close(self) -> None:
         """Finish the bag and put it in place."""
         if self._file.closed:
@@ -116,18 +159,20 @@ class BagWriter:
         try:
             self._writer.finish()
             self._file.close()
-            self._temporary.replace(self.path)
+            if self._temporary != self.path:
+                self._temporary.replace(self.path)
         except OSError as error:
             self.discard()
             raise _unwritable(self.path, error) from None
 
     def discard(self) -> None:
-        """Stop writing and remove what was written."""
+        """Stop writing and remove what was written, unless it is kept whatever happens."""
         with contextlib.suppress(OSError):  # a full disk again; what was buffered is not wanted
             self._file.close()
-        self._temporary.unlink(missing_ok=True)
+        if self._temporary != self.path:
+            self._temporary.unlink(missing_ok=True)
 
-    def _channel(self, topic: str, type_name: str, definition: str) -> int:
+    def _channel(self, topic: str, type_name: str, definition: str, offered_qos: str) -> int:
         known = not definition or type_name in typestore().fielddefs
         text = schema_text(type_name) if known else definition
         schema = self._schemas.get((type_name, text))
@@ -137,6 +182,7 @@ class BagWriter:
         channel = self._channels.get((topic, schema))
         if channel is None:
             metadata = {"topic_type_hash": type_hash(type_name)} if known else {}
+            metadata |= {"offered_qos_profiles": offered_qos} if offered_qos else {}
             channel = self._writer.register_channel(topic, "cdr", schema, metadata)
             self._channels[topic, schema] = channel
         return channel

@@ -39,6 +39,7 @@ from geoprim_core.io.record import stamp_of
 __all__ = ["BagImage", "BagMessage", "BagReader", "BagWriter", "Losses", "Topic", "bag_image"]
 
 IMAGE_TYPES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
+_ANY_TIME = 1 << 64  # log times are unsigned 64-bit numbers
 
 
 @dataclass(frozen=True)
@@ -158,8 +159,36 @@ class BagReader:
         text = f"{self.path} has no topic {name!r}; its topics: {present or 'none at all'}"
         raise BagError(f"{text}; {self.losses}" if self.losses else text)
 
-    def messages(self, topics: Iterable[str] | None = None) -> Iterator[BagMessage]:
+    @property
+    def time_range(self) -> tuple[int, int]:
+        """The earliest and the latest log time of the bag in nanoseconds; (0, 0) when empty."""
+        ranges = [file.time_range for file in self._files]
+        known = [times for times in ranges if times is not None]
+        return min((t[0] for t in known), default=0), max((t[1] for t in known), default=0)
+
+    def offered_qos(self, name: str) -> str:
+        """Return the QoS profiles of the publishers of a topic, in the YAML of rosbag2.
+
+        Empty where the bag does not tell.
+        """
+        found = [
+            channel.metadata.get("offered_qos_profiles", "")
+            for file in self._files
+            for channel in file.channels.values()
+            if channel.topic == self.topic(name).name
+        ]
+        return next((text for text in found if text), "")
+
+    def messages(
+        self,
+        topics: Iterable[str] | None = None,
+        since_ns: int | None = None,
+        until_ns: int | None = None,
+    ) -> Iterator[BagMessage]:
         """Yield the messages of some topics, or of all, in the order of their log times.
+
+        With `since_ns` and `until_ns` only those of these log times, both ends included; the
+        parts of the file that hold none of them are not read.
 
         Raises
         ------
@@ -167,7 +196,10 @@ class BagReader:
             A topic is missing.
         """
         names = None if topics is None else {self.topic(name).name for name in topics}
-        return self._messages(names)
+        first = -_ANY_TIME if since_ns is None else since_ns
+        last = _ANY_TIME if until_ns is None else until_ns
+        found = self._messages(names, since_ns, until_ns)
+        return (m for m in found if first <= m.log_time_ns <= last)
 
     def images(self, topic: str = "image") -> Iterator[BagImage]:
         """Yield the images of a topic; one that cannot be used comes as None with the reason.
@@ -183,10 +215,13 @@ class BagReader:
             raise BagError(f"topic {found.name} holds {found.type}, expected {expected}")
         return (bag_image(message) for message in self._messages({found.name}))
 
-    def _messages(self, names: set[str] | None) -> Iterator[BagMessage]:
+    def _messages(
+        self, names: set[str] | None, since_ns: int | None = None, until_ns: int | None = None
+    ) -> Iterator[BagMessage]:
         for file in self._files:
             chosen = {c for c, channel in file.channels.items() if names and channel.topic in names}
-            for message in file.messages(None if names is None else chosen):
+            wanted = None if names is None else chosen
+            for message in file.messages(wanted, since_ns, until_ns):
                 yield self._bag_message(file, message)
 
     def _bag_message(self, file: McapFile, message: Message) -> BagMessage:

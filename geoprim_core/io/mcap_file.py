@@ -94,6 +94,13 @@ class _Extent:
     opcode: int
     messages: int = 0
     channels: set[int] = field(default_factory=set)
+    end_time: int = 0
+
+    def outside(self, since_ns: int | None, until_ns: int | None) -> bool:
+        """Tell whether all of it lies before or behind some times."""
+        if since_ns is not None and self.start_time <= self.end_time < since_ns:
+            return True
+        return until_ns is not None and self.start_time > until_ns
 
 
 class McapFile:
@@ -132,8 +139,25 @@ class McapFile:
         except OSError as error:
             raise BagError(f"cannot read {path}: {error.strerror or error}") from None
 
-    def messages(self, channels: set[int] | None = None) -> Iterator[Message]:
-        """Yield the messages of some channels, or all, in the order of their log times."""
+    @property
+    def time_range(self) -> tuple[int, int] | None:
+        """The earliest and the latest log time, as the chunks tell; None without a message."""
+        filled = [e for e in self._extents if e.messages or e.end_time]
+        if not filled:
+            return None
+        return min(e.start_time for e in filled), max(e.end_time for e in filled)
+
+    def messages(
+        self,
+        channels: set[int] | None = None,
+        since_ns: int | None = None,
+        until_ns: int | None = None,
+    ) -> Iterator[Message]:
+        """Yield the messages of some channels, or all, in the order of their log times.
+
+        Chunks that lie outside of the times asked for are not read; of those that are, all
+        messages come.
+        """
         pending: list[tuple[int, int, Message]] = []
         serial = 0
         with self.path.open("rb") as file:
@@ -143,6 +167,8 @@ class McapFile:
                     and extent.channels
                     and extent.channels.isdisjoint(channels)
                 ):
+                    continue
+                if extent.outside(since_ns, until_ns):
                     continue
                 while pending and pending[0][0] < extent.start_time:
                     yield heapq.heappop(pending)[2]
@@ -203,11 +229,13 @@ class McapFile:
 
     def _note(self, file: IO[bytes], position: int, opcode: int, length: int) -> None:
         if opcode == Opcode.CHUNK:
-            start = int.from_bytes(file.read(8), "little")
-            self._extents.append(_Extent(start, position, length, opcode))
+            times = file.read(16)
+            start, last = (int.from_bytes(part, "little") for part in (times[:8], times[8:]))
+            self._extents.append(_Extent(start, position, length, opcode, end_time=last))
         elif opcode == Opcode.MESSAGE:
             start = int.from_bytes(file.read(14)[6:], "little")
-            self._extents.append(_Extent(start, position, length, opcode, messages=1))
+            alone = _Extent(start, position, length, opcode, messages=1, end_time=start)
+            self._extents.append(alone)
         elif opcode == Opcode.MESSAGE_INDEX and self._extents:
             self._extents[-1].channels.add(int.from_bytes(file.read(2), "little"))
             self._extents[-1].messages += (length - 6) // 16

@@ -12,7 +12,13 @@ from rosbags.highlevel import AnyReader
 
 from geoprim_core.errors import BagError, FileError, InputError
 from geoprim_core.io.bags import BagReader, BagWriter
-from geoprim_core.io.definitions import message_texts, schema_text, split_schema, typestore
+from geoprim_core.io.definitions import (
+    message_texts,
+    schema_text,
+    serialize,
+    split_schema,
+    typestore,
+)
 from geoprim_core.io.image_message import image_record
 from geoprim_core.io.record import Record, header
 from geoprim_core.io.wire import from_wire, to_wire
@@ -308,3 +314,70 @@ def test_records_that_are_no_messages_are_refused(tmp_path):
         BagWriter(tmp_path / "bag.mcap") as bag,
     ):
         bag.write("odd", Record("std_msgs/msg/Header", {"frame": ""}), log_time_ns=0)
+
+
+def numbered(path, count=40, **options):
+    """Write small messages, ten nanoseconds apart, in chunks of a few."""
+    with BagWriter(path, chunk_bytes=256, **options) as bag:
+        for i in range(count):
+            topic = "even" if i % 2 == 0 else "odd"
+            bag.write(topic, header(i, "camera"), log_time_ns=10 * i)
+    return path
+
+
+@pytest.mark.parametrize(("since", "until"), [(None, None), (95, None), (None, 200), (100, 100)])
+def test_a_range_of_times_holds_both_its_ends(tmp_path, since, until):
+    reader = BagReader(numbered(tmp_path / "in.mcap"))
+    assert reader.time_range == (0, 390)
+    found = [m.log_time_ns for m in reader.messages(None, since, until)]
+    first, last = since if since is not None else 0, until if until is not None else 390
+    assert found == [t for t in range(0, 400, 10) if first <= t <= last]
+    odd = [m.log_time_ns for m in reader.messages(["odd"], since, until)]
+    assert odd == [t for t in found if t % 20]
+
+
+def test_a_range_of_times_does_not_read_the_rest_of_the_file(tmp_path):
+    path = numbered(tmp_path / "in.mcap")
+    reader = BagReader(path)
+    data = bytearray(path.read_bytes())
+    data[300:340] = bytes(40)  # in the first chunk, after it was looked over
+    path.write_bytes(data)
+    assert [m.log_time_ns for m in reader.messages(None, 380)] == [380, 390]
+    assert not reader.losses
+    assert len(list(reader.messages())) < 40 and reader.losses
+
+
+@pytest.mark.parametrize("compression", ["zstd", "lz4", "none"])
+def test_every_compression_gives_the_same_messages(tmp_path, compression):
+    reader = BagReader(numbered(tmp_path / "in.mcap", compression=compression))
+    assert [m.decoded.stamp.nanosec for m in reader.messages()] == list(range(40))
+
+
+def test_a_compression_that_there_is_not_is_refused(tmp_path):
+    with pytest.raises(InputError, match="zstd"):
+        BagWriter(tmp_path / "in.mcap", compression="rar")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_flushed_can_be_read_while_the_bag_grows(tmp_path):
+    path = tmp_path / "out.mcap"
+    bag = BagWriter(path, in_place=True)
+    for i in range(3):
+        bag.write("stamps", header(i, "camera"), log_time_ns=i)
+    bag.flush()
+    bag.write("stamps", header(3, "camera"), log_time_ns=3)
+    reader = BagReader(path)
+    assert [m.log_time_ns for m in reader.messages()] == [0, 1, 2]
+    assert "cut off" in str(reader.losses)
+    bag.discard()  # keeps what it has
+    assert [m.log_time_ns for m in BagReader(path).messages()] == [0, 1, 2]
+
+
+def test_the_qos_of_the_publishers_is_kept(tmp_path):
+    path = tmp_path / "in.mcap"
+    data = serialize(header(1, "camera"))
+    with BagWriter(path) as bag:
+        bag.write_raw("/map", "std_msgs/msg/Header", data, 1, offered_qos="- depth: 1\n")
+        bag.write_raw("/other", "std_msgs/msg/Header", data, 2)
+    reader = BagReader(path)
+    assert (reader.offered_qos("map"), reader.offered_qos("other")) == ("- depth: 1\n", "")

@@ -85,7 +85,9 @@ def test_an_argument_that_is_not_one_of_ros_is_said(capsys):
     assert "--fast" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["pairing", "spin", "nodes.bag_recorder"])
+@pytest.mark.parametrize(
+    "name", ["pairing", "spin", "keyboard", "selection", "qos_profiles", "nodes.bag_recorder"]
+)
 def test_examples_in_the_documentation_run(name):
     module = importlib.import_module(f"geoprim_ros.{name}")
     failed, tried = doctest.testmod(module)
