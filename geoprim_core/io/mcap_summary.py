@@ -1,0 +1,184 @@
+"""The summary at the end of an MCAP file, and whether the file is as it says."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections import defaultdict
+from dataclasses import dataclass, field
+from typing import Any
+
+from mcap.opcode import Opcode
+from mcap.records import Channel, ChunkIndex, Schema, Statistics
+
+from geoprim_core.io.losses import Loss
+from geoprim_core.io.mcap_records import (
+    FOOTER_BODY,
+    HEAD,
+    View,
+    parse_record,
+    record_end,
+    record_head,
+)
+from geoprim_core.io.mcap_scan import Extent, Scan
+
+_FOOTER = struct.Struct("<QQI")
+_PARSED: dict[int, Any] = {
+    Opcode.SCHEMA: Schema,
+    Opcode.CHANNEL: Channel,
+    Opcode.CHUNK_INDEX: ChunkIndex,
+    Opcode.STATISTICS: Statistics,
+}
+_LARGEST = 1 << 29
+
+
+@dataclass
+class Summary:
+    """What the end of a file says of the file.
+
+    Attributes
+    ----------
+    proved : bool
+        Its checksum holds; False also where it has none.
+    shift : int
+        How many bytes were put in (above 0) or taken out before it.
+    statistics : Statistics or None
+    definitions : list of Schema and Channel
+    chunks : list of ChunkIndex
+    """
+
+    proved: bool
+    shift: int
+    statistics: Statistics | None = None
+    definitions: list[Any] = field(default_factory=list)
+    chunks: list[ChunkIndex] = field(default_factory=list)
+
+
+def read_summary(scan: Scan) -> Summary | None:
+    """Return the summary of a file, None where there is none or it is damaged, which is noted."""
+    if scan.footer is None:
+        return None
+    start, _, crc = _FOOTER.unpack(scan.view.at(scan.footer + HEAD, FOOTER_BODY))
+    if not start and not crc:
+        return None
+    for place in dict.fromkeys((start, scan.summary)):
+        if place is not None and _holds(scan.view, place, scan.footer, crc):
+            summary = _parsed(scan.view, place, scan.footer, Summary(crc != 0, place - start))
+            if summary is not None:
+                return summary
+    place = min(scan.summary or scan.footer, scan.footer)
+    scan.lose(place, scan.footer - place, "the index at the end is damaged")
+    return None
+
+
+def compare(scan: Scan, summary: Summary) -> None:
+    """Tie the chunks to their lines in the index; what is missing or too much is a loss."""
+    chunks = [extent for extent in scan.extents if extent.head is not None]
+    missing = _tie(chunks, summary)
+    for index in missing:
+        _note_missing(scan, index, summary.shift)
+    for extent in chunks:
+        if extent.listed is None and summary.chunks:
+            extent.stray = summary.proved
+            reason = "a chunk that the index does not list"
+            scan.losses.setdefault(extent.offset, Loss(extent.offset, 0, reason))
+        elif extent.listed is not None:
+            extent.start_time = extent.listed.message_start_time
+    if summary.shift:
+        verb = "more" if summary.shift > 0 else "fewer"
+        text = f"the file has {abs(summary.shift)} bytes {verb} than its index says"
+        scan.losses.setdefault(scan.view.size, Loss(scan.view.size, 0, text))
+    counted = sum(extent.counted for extent in scan.extents)
+    if not summary.proved and counted and not _agrees(summary, counted):
+        scan.lose(scan.view.size, 0, "the numbers at the end are not those of the file")
+        summary.statistics = None
+
+
+def _agrees(summary: Summary, counted: int) -> bool:
+    return summary.statistics is None or summary.statistics.message_count == counted
+
+
+def _holds(view: View, start: int, footer: int, crc: int) -> bool:
+    """Return whether the checksum of a summary that starts at a place is right, or not given."""
+    length = footer + HEAD + FOOTER_BODY - 4 - start
+    if start <= 0 or start > footer or length > _LARGEST:
+        return False
+    return crc == 0 or zlib.crc32(view.at(start, length)) == crc
+
+
+def _parsed(view: View, position: int, footer: int, summary: Summary) -> Summary | None:
+    while position < footer:
+        end = record_end(view, position)
+        if end is None or end > footer:
+            return None
+        kind = _PARSED.get(record_head(view, position)[0])
+        if kind is not None:
+            record = parse_record(kind, view.at(position + HEAD, end - position - HEAD))
+            if record is None:
+                return None
+            _file(record, summary)
+        position = end
+    return summary
+
+
+def _file(record: Any, summary: Summary) -> None:
+    if isinstance(record, ChunkIndex):
+        summary.chunks.append(record)
+    elif isinstance(record, Statistics):
+        summary.statistics = record
+    else:
+        summary.definitions.append(record)
+
+
+def _tie(chunks: list[Extent], summary: Summary) -> list[ChunkIndex]:
+    """Give each chunk its line in the index, first by place and contents; return lines left."""
+    left = _tie_by(
+        chunks, summary.chunks,
+        lambda e: (e.offset, e.head.signature if e.head else None),
+        lambda i: (i.chunk_start_offset, _signature(i)),
+    )  # fmt: skip
+    left = _tie_by(chunks, left, lambda e: e.head.signature if e.head else None, _signature)
+    return _tie_by(chunks, left, lambda e: e.offset, lambda i: i.chunk_start_offset)
+
+
+def _tie_by(chunks: list[Extent], lines: list[ChunkIndex], of: Any, key: Any) -> list[ChunkIndex]:
+    places: dict[Any, list[Extent]] = defaultdict(list)
+    for extent in reversed(chunks):
+        if extent.listed is None:
+            places[of(extent)].append(extent)
+    left = []
+    for line in lines:
+        found = places.get(key(line))
+        if found:
+            extent = found.pop()
+            extent.listed = line
+            extent.broken |= extent.head is None or extent.head.signature != _signature(line)
+        else:
+            left.append(line)
+    return left
+
+
+def _signature(line: ChunkIndex) -> tuple[int, int, int, int, str]:
+    return (
+        line.message_start_time,
+        line.message_end_time,
+        line.uncompressed_size,
+        line.compressed_size,
+        line.compression,
+    )
+
+
+def _note_missing(scan: Scan, line: ChunkIndex, shift: int) -> None:
+    """Note a chunk that is gone, with the loss at its place where there is one."""
+    start, end = line.chunk_start_offset, line.chunk_start_offset + line.chunk_length
+    near = [
+        loss
+        for loss in scan.losses.values()
+        if not shift and loss.bytes and loss.offset < end and loss.offset + loss.bytes > start
+    ]
+    loss = near[0] if near else None
+    if loss is None:
+        while start in scan.losses:
+            start += 1
+        loss = scan.lose(start, 0, "a chunk that the index lists is missing")
+    loss.span(line.message_start_time, line.message_end_time)
