@@ -24,6 +24,8 @@ class Loss:
         How many messages of it are read all the same, marked as doubtful.
     start_ns, end_ns : int or None
         Log times between which its messages lie; None where nothing tells.
+    after_ns, before_ns : int or None
+        Log times that were read before and behind it, where its own are not known.
     """
 
     offset: int
@@ -33,6 +35,8 @@ class Loss:
     kept: int = 0
     start_ns: int | None = None
     end_ns: int | None = None
+    after_ns: int | None = None
+    before_ns: int | None = None
 
     def span(self, start_ns: int, end_ns: int) -> None:
         """Widen the range of log times."""
@@ -43,12 +47,15 @@ class Loss:
         place = f"at byte {self.offset}"
         if self.bytes > 1:
             place = f"at bytes {self.offset} to {self.offset + self.bytes}"
-        times = ""
-        if self.start_ns is not None and self.end_ns is not None:
-            times = f", {self.start_ns / 1e9:.3f} s to {self.end_ns / 1e9:.3f} s"
         counts = f", {_messages(self.messages)} lost" if self.messages else ""
         kept = f", {_messages(self.kept)} kept but doubtful" if self.kept else ""
-        return f"{self.reason} {place}{times}{counts}{kept}"
+        return f"{self.reason} {place}{self._times()}{counts}{kept}"
+
+    def _times(self) -> str:
+        if self.start_ns is not None and self.end_ns is not None:
+            return f", {self.start_ns / 1e9:.3f} s to {self.end_ns / 1e9:.3f} s"
+        after = "" if self.after_ns is None else f", after {self.after_ns / 1e9:.3f} s"
+        return after + ("" if self.before_ns is None else f", before {self.before_ns / 1e9:.3f} s")
 
 
 @dataclass(frozen=True)
@@ -76,10 +83,9 @@ class Losses:
 
     Examples
     --------
-    >>> cut = Loss(5000, 300, "the file is cut off", kept=2)
-    >>> print(Losses.of([cut]))
-    300 bytes are damaged or lost, 2 messages are doubtful: the file is cut off at bytes 5000 to 5300, \
-2 messages kept but doubtful
+    >>> print(Losses.of([Loss(5000, 300, "the file is cut off", kept=2)]))
+    300 bytes are damaged or lost, 2 messages are doubtful: the file is cut off at bytes 5000 to \
+5300, 2 messages kept but doubtful
     """
 
     parts: int

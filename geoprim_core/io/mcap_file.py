@@ -30,6 +30,7 @@ from geoprim_core.io.mcap_records import MAGIC, View, stream
 from geoprim_core.io.mcap_scan import Extent, Scan
 from geoprim_core.io.mcap_summary import compare, read_summary
 
+_NOT_OURS = "no index tells that it belongs to this file"
 # So many bytes of messages wait for earlier ones of later chunks, at most.
 _WINDOW = 1 << 28
 
@@ -87,6 +88,7 @@ class McapFile:
         self.tallies: Counter[int] | None = None
         self.doubtful = self.unprotected = 0
         self.announced: int | None = None
+        self._strays = 0  # messages passed on that the index does not know of
         self._catalogue = Catalogue()
         self._keep = keep_doubtful
         with self.open() as file:
@@ -105,9 +107,12 @@ class McapFile:
 
     @property
     def missing(self) -> int | None:
-        """How many messages are lost; None where the file does not tell or was not read."""
+        """How many messages are lost as far as noticed; None where nothing tells."""
+        if self.tallies is None:  # then the index is whole, and each loss counts for itself
+            sure = self.statistics is not None and self._counted == self.statistics.message_count
+            return sum(loss.messages for loss in self.losses.values()) if sure else None
         announced = self.announced if self.statistics is None else self.statistics.message_count
-        if self.tallies is None or announced is None or any(e.stray for e in self._extents):
+        if announced is None or self._strays:
             return None
         return max(announced - sum(self.tallies.values()), 0)
 
@@ -168,10 +173,11 @@ class McapFile:
             view = View(file)
             grades = [self._first_look(view, extent) for extent in self._extents]
             seen: set[int] | None = set() if self.losses else None
-            order = sorted(range(len(grades)), key=lambda i: -grades[i])
+            order = sorted(range(len(grades)), key=lambda i: (-grades[i], self._extents[i].orphan))
             for i in order:
                 self._second_look(view, self._extents[i], seen)
         self._note_descriptions()
+        self._note_times()
 
     def _sorted(self, channels: set[int] | None) -> Iterator[Found]:
         pending: list[tuple[int, int, Found]] = []
@@ -197,7 +203,9 @@ class McapFile:
         reading = read_extent(view, extent, checksums=self._checksums)
         for record in reading.content.definitions:
             self._catalogue.add(record, reading.grade)
-        doubt = reading.doubt or ("its chunk is not in the index" if extent.stray else "")
+        doubt = reading.doubt
+        if not doubt and (extent.stray or extent.orphan):
+            doubt = _NOT_OURS
         passed, unknown = [], 0
         if reading.grade is not Grade.WRONG or self._keep:
             for i, message in enumerate(reading.content.messages):
@@ -237,6 +245,7 @@ class McapFile:
         reading, _ = self._read(view, extent)
         times = [message.log_time for message in reading.content.messages]
         extent.start_time = min(times, default=extent.start_time)
+        extent.end_time = max(times, default=0)
         return reading.grade
 
     def _second_look(self, view: View, extent: Extent, seen: set[int] | None) -> None:
@@ -251,6 +260,19 @@ class McapFile:
         self.tallies.update(found.message.channel_id for found in passed)
         self.doubtful += sum(bool(found.doubt) for found in passed)
         self.unprotected += len(passed) if reading.grade is Grade.PLAIN else 0
+        self._strays += len(passed) if extent.stray else 0
+        if extent.orphan and reading.grade >= Grade.PLAIN and passed:
+            none = Loss(extent.offset, 0, "what follows may belong to another file: no index tells")
+            self.losses.setdefault("orphans", none).kept += len(passed)
+
+    def _note_times(self) -> None:
+        """Tell of losses without times of their own what was read around them."""
+        read = [e for e in self._extents if e.end_time]
+        for loss in self.losses.values():
+            if loss.start_ns is None and loss.offset:
+                before = [e.end_time for e in read if e.offset < loss.offset]
+                behind = [e.start_time for e in read if e.offset > loss.offset]
+                loss.after_ns, loss.before_ns = max(before, default=None), min(behind, default=None)
 
     def _note_descriptions(self) -> None:
         """Note the topics and types that may be wrong."""
@@ -271,8 +293,11 @@ class McapFile:
         summary = read_summary(scan)
         if summary is not None:
             compare(scan, summary)
-        self.losses = {**scan.losses}
+        self.losses = dict(scan.losses.items())
         self._extents, self.attachments = scan.extents, scan.attachments
+        self._counted = sum(extent.counted for extent in scan.extents)
+        for extent in scan.extents:
+            extent.orphan &= extent.listed is None and not extent.stray
         self._checksums = any(e.head is not None and e.head.crc for e in scan.extents)
         self.data_end = scan.summary, scan.data_crc
         self.statistics: Statistics | None = None if summary is None else summary.statistics

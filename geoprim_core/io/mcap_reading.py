@@ -66,9 +66,8 @@ def read_extent(view: View, extent: Extent, *, checksums: bool) -> Reading:
     if extent.end - extent.offset > LARGEST_CHUNK:
         return Reading(Content(), Grade.WRONG, f"it is larger than {LARGEST_CHUNK} bytes")
     if extent.head is None:
-        grade = Grade.DOUBTFUL if extent.guessed else Grade.PLAIN
         body = view.at(extent.offset + HEAD, extent.end - extent.offset - HEAD)
-        return Reading(Content([message_of(body)]), grade)
+        return Reading(Content([message_of(body)]), Grade.PLAIN)
     unpacked, grade = _best(extent.head, extent, extent.data(view), checksums)
     content = split(unpacked.data)
     return Reading(content, grade, _fault(extent, unpacked, content, grade))

@@ -56,8 +56,8 @@ class Extent:
         None for a message.
     offset, end : int
         What belongs to it; shorter than its head says where something else follows.
-    start_time : int
-        The earliest log time in it, as far as known.
+    start_time, end_time : int
+        The earliest log time in it, as far as known, and the latest once it was read.
     counted : int
         Number of messages by the message index behind it.
     times : (int, int) or None
@@ -72,8 +72,8 @@ class Extent:
         What the index at the end of the file says of it.
     stray : bool
         That index does not know it.
-    guessed : bool
-        A message found behind damage in a file of which no record before tells what it holds.
+    orphan : bool
+        It lies behind a place where the walk broke off; only an index can tell whose it is.
     repeated : set of int
         Which of its messages stand elsewhere in the file too.
     """
@@ -82,6 +82,7 @@ class Extent:
     offset: int
     end: int
     start_time: int
+    end_time: int = 0
     counted: int = 0
     times: tuple[int, int] | None = None
     channels: set[int] = field(default_factory=set)
@@ -89,7 +90,7 @@ class Extent:
     broken: bool = False
     listed: ChunkIndex | None = None
     stray: bool = False
-    guessed: bool = False
+    orphan: bool = False
     repeated: set[int] = field(default_factory=set)
 
     def data(self, view: View) -> bytes:
@@ -128,11 +129,11 @@ class Scan:
         self._last: Extent | Loss | None = None
         self._last_private: int | None = None
         self._work = 8 * view.size + (1 << 26)  # how much may be unpacked while searching
-        self._guess = False
+        self._guess = self._broken_off = False
         self._cut_zeros()
         self._walk()
         if not self.extents and self.losses:
-            self._guess = True
+            self._guess, self._broken_off = True, False
             self.records, self.attachments, self._last = [], [], None
             self.losses = {at: loss for at, loss in self.losses.items() if at >= view.size}
             self._walk()
@@ -149,8 +150,7 @@ class Scan:
         while position < self.view.size:
             position = self._step(position)
         reached = max((loss.offset + loss.bytes for loss in self.losses.values()), default=0)
-        open_end = any(extent.cut for extent in self.extents[-1:])
-        if position == self.view.size and reached < position and not open_end:
+        if position == self.view.size and reached < position:
             self.lose(position, 0, "the file is cut off: its end is missing")
 
     def _start(self) -> int:
@@ -176,11 +176,11 @@ class Scan:
         """Take in a chunk that is not known to end where it says."""
         ends = (head.data_offset + head.data_length, head.end)
         sure = (end for end in ends if end < self.view.size and self._known(end))
-        following = next(sure, None) or self._next_start(head.data_offset)
-        cut = following >= self.view.size
-        extent = Extent(head, head.offset, following, head.start_time, cut=cut, broken=True)
+        extent = Extent(head, head.offset, head.end, head.start_time, broken=True)
         self._add(extent)
-        return following
+        extent.end = next(sure, None) or self._next_start(head.data_offset)
+        extent.cut = extent.end >= self.view.size
+        return extent.end
 
     def _end(self, footer: int, end: int) -> int:
         """Take in a footer; return where to go on, behind the file at its true end."""
@@ -242,7 +242,7 @@ class Scan:
         elif opcode == Opcode.MESSAGE:
             body = self.view.at(position + HEAD, MESSAGE_BODY.size)
             time = MESSAGE_BODY.unpack(body)[2]
-            self._add(Extent(None, position, end, time, counted=1, guessed=self._guess))
+            self._add(Extent(None, position, end, time, counted=1))
         elif opcode == Opcode.MESSAGE_INDEX:
             self._note_index(position, end, private)
         else:
@@ -284,6 +284,7 @@ class Scan:
         last.times = _hull(last.times, times)
 
     def _add(self, extent: Extent) -> None:
+        extent.orphan = self._broken_off
         self.extents.append(extent)
         self._last, self._last_private = extent, None
 
@@ -294,6 +295,7 @@ class Scan:
         """
         loose = self._guess or any(e.head is None for e in self.extents)
         own = () if loose else INSIDE
+        self._broken_off = True
         places = _candidates(self.view, start)
         return next((p for p in places if self._starts(p, own)), self.view.size)
 
