@@ -89,7 +89,7 @@ def repair_bag(
     ...     _ = path.write_bytes(path.read_bytes()[:-40])
     ...     report = repair_bag(path)
     ...     BagReader(report.output).losses.parts, report.messages, report.losses.reasons
-    (0, 1, ('the file is cut off or damaged for good at bytes 1026 to 1049',))
+    (0, 1, ('the file is cut off or damaged for good at bytes 1026 to 1049, after 0.000 s',))
     """
     reader = BagReader(source, keep_doubtful=keep_doubtful)
     target = _target(reader, output, replace)

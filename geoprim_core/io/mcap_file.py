@@ -273,6 +273,8 @@ class McapFile:
                 before = [e.end_time for e in read if e.offset < loss.offset]
                 behind = [e.start_time for e in read if e.offset > loss.offset]
                 loss.after_ns, loss.before_ns = max(before, default=None), min(behind, default=None)
+                if before and behind and min(behind) < max(before):
+                    loss.before_ns = None
 
     def _note_descriptions(self) -> None:
         """Note the topics and types that may be wrong."""
@@ -301,11 +303,13 @@ class McapFile:
         self._checksums = any(e.head is not None and e.head.crc for e in scan.extents)
         self.data_end = scan.summary, scan.data_crc
         self.statistics: Statistics | None = None if summary is None else summary.statistics
-        end = None if summary is not None else scan.summary
+        disowned = summary is None or summary.disowned
+        end = scan.summary if disowned else None
         for position, record in scan.records:
             self._file(record, Grade.PLAIN if end is None or position < end else Grade.DOUBTFUL)
-        for record in summary.definitions if summary is not None else ():
-            self._catalogue.add(record, Grade.PROVED if summary and summary.proved else Grade.PLAIN)
+        if summary is not None and not disowned:
+            for record in summary.definitions:
+                self._catalogue.add(record, Grade.PROVED if summary.proved else Grade.PLAIN)
         if self.losses or any(e.broken for e in scan.extents) or self.statistics is None:
             self.survey()
         self._note_descriptions()

@@ -42,6 +42,8 @@ class Summary:
         Its checksum holds; False also where it has none.
     shift : int
         How many bytes were put in (above 0) or taken out before it.
+    disowned : bool
+        It is that of another file.
     statistics : Statistics or None
     definitions : list of Schema and Channel
     chunks : list of ChunkIndex
@@ -49,6 +51,7 @@ class Summary:
 
     proved: bool
     shift: int
+    disowned: bool = False
     statistics: Statistics | None = None
     definitions: list[Any] = field(default_factory=list)
     chunks: list[ChunkIndex] = field(default_factory=list)
@@ -75,6 +78,9 @@ def compare(scan: Scan, summary: Summary) -> None:
     """Tie the chunks to their lines in the index; what is missing or too much is a loss."""
     chunks = [extent for extent in scan.extents if extent.head is not None]
     missing = _tie(chunks, summary)
+    if summary.chunks and _of_another_file(chunks, summary):
+        _disown(scan, chunks, summary)
+        return
     for index in missing:
         _note_missing(scan, index, summary.shift)
     for extent in chunks:
@@ -84,6 +90,9 @@ def compare(scan: Scan, summary: Summary) -> None:
             scan.losses.setdefault(extent.offset, Loss(extent.offset, 0, reason))
         elif extent.listed is not None:
             extent.start_time = extent.listed.message_start_time
+            extent.broken |= extent.head is None or extent.head.signature != _signature(
+                extent.listed
+            )
     if summary.shift:
         verb = "more" if summary.shift > 0 else "fewer"
         text = f"the file has {abs(summary.shift)} bytes {verb} than its index says"
@@ -92,6 +101,23 @@ def compare(scan: Scan, summary: Summary) -> None:
     if not summary.proved and counted and not _agrees(summary, counted):
         scan.lose(scan.view.size, 0, "the numbers at the end are not those of the file")
         summary.statistics = None
+
+
+def _of_another_file(chunks: list[Extent], summary: Summary) -> bool:
+    """Return whether an index does not know what stands before any place where the walk broke."""
+    known = {_signature(line) for line in summary.chunks}
+    unknown = [e for e in chunks if e.listed is None and e.head and e.head.signature not in known]
+    safe = [e for e in chunks if not e.orphan]
+    return any(not e.orphan for e in unknown) or (bool(unknown) and not safe)
+
+
+def _disown(scan: Scan, chunks: list[Extent], summary: Summary) -> None:
+    """Take nothing for granted that an index says which is not that of the file."""
+    for extent in chunks:
+        extent.listed = None
+    summary.proved, summary.disowned, summary.statistics = False, True, None
+    place = min(scan.summary or scan.view.size, scan.view.size)
+    scan.losses.setdefault(place, Loss(place, 0, "the index at the end is not that of this file"))
 
 
 def _agrees(summary: Summary, counted: int) -> bool:
@@ -152,7 +178,6 @@ def _tie_by(chunks: list[Extent], lines: list[ChunkIndex], of: Any, key: Any) ->
         if found:
             extent = found.pop()
             extent.listed = line
-            extent.broken |= extent.head is None or extent.head.signature != _signature(line)
         else:
             left.append(line)
     return left
