@@ -21,7 +21,7 @@ from geoprim_core.io.mcap_scan import Extent
 
 _DOUBTS = {
     Grade.WRONG: "the checksum of its chunk fails",
-    Grade.DOUBTFUL: "its chunk is damaged and its checksum cannot be had",
+    Grade.DOUBTFUL: "its checksum is missing, as its chunk is damaged or cut off",
 }
 
 
@@ -67,7 +67,7 @@ def read_extent(view: View, extent: Extent, *, checksums: bool) -> Reading:
         return Reading(Content(), Grade.WRONG, f"it is larger than {LARGEST_CHUNK} bytes")
     if extent.head is None:
         body = view.at(extent.offset + HEAD, extent.end - extent.offset - HEAD)
-        return Reading(Content([message_of(body)]), Grade.PLAIN)
+        return Reading(Content([message_of(body)]), Grade.DOUBTFUL if checksums else Grade.PLAIN)
     unpacked, grade = _best(extent.head, extent, extent.data(view), checksums)
     content = split(unpacked.data)
     return Reading(content, grade, _fault(extent, unpacked, content, grade))

@@ -240,6 +240,8 @@ class Scan:
             assert head is not None
             self._add(Extent(head, position, end, head.start_time))
         elif opcode == Opcode.MESSAGE:
+            # between chunks none is expected: the length of the chunk before led astray
+            self._broken_off |= any(e.head is not None for e in self.extents)
             body = self.view.at(position + HEAD, MESSAGE_BODY.size)
             time = MESSAGE_BODY.unpack(body)[2]
             self._add(Extent(None, position, end, time, counted=1))

@@ -108,7 +108,8 @@ def _of_another_file(chunks: list[Extent], summary: Summary) -> bool:
     known = {_signature(line) for line in summary.chunks}
     unknown = [e for e in chunks if e.listed is None and e.head and e.head.signature not in known]
     safe = [e for e in chunks if not e.orphan]
-    return any(not e.orphan for e in unknown) or (bool(unknown) and not safe)
+    foreign = sum(not e.orphan for e in unknown)
+    return foreign > sum(e.listed is not None for e in safe) or (bool(unknown) and not safe)
 
 
 def _disown(scan: Scan, chunks: list[Extent], summary: Summary) -> None:
@@ -164,7 +165,18 @@ def _tie(chunks: list[Extent], summary: Summary) -> list[ChunkIndex]:
         lambda i: (i.chunk_start_offset, _signature(i)),
     )  # fmt: skip
     left = _tie_by(chunks, left, lambda e: e.head.signature if e.head else None, _signature)
-    return _tie_by(chunks, left, lambda e: e.offset, lambda i: i.chunk_start_offset)
+    at = {e.offset: e for e in chunks if e.listed is None}
+    return [line for line in left if not _tie_damaged(at.get(line.chunk_start_offset), line)]
+
+
+def _tie_damaged(extent: Extent | None, line: ChunkIndex) -> bool:
+    """Give a chunk the line for its place when all but one fact of its head agree."""
+    if extent is None or extent.head is None:
+        return False
+    equal = sum(a == b for a, b in zip(extent.head.signature, _signature(line), strict=True))
+    if equal >= 4:
+        extent.listed = line
+    return equal >= 4
 
 
 def _tie_by(chunks: list[Extent], lines: list[ChunkIndex], of: Any, key: Any) -> list[ChunkIndex]:
