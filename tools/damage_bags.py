@@ -50,14 +50,14 @@ LONGEST_S = 60
 COMPRESSIONS = (CompressionType.ZSTD, CompressionType.LZ4, CompressionType.NONE)
 
 
-def build(path, seed, compression, chunk_bytes=6_000):
+def build(path, seed, compression, chunk_bytes=6_000, frames=FRAMES):
     """Write a bag of images, contours and stamps; return its messages and where its end starts."""
     numbers = np.random.default_rng(seed)
     with path.open("wb") as file:
         writer = Writer(file, chunk_bytes, compression)
         writer.start(profile="ros2", library="damage_bags")
         channels = {}
-        for i in range(FRAMES):
+        for i in range(frames):
             stamp = i * STEP_NS + int(numbers.integers(0, 1000)) + 10**18
             for topic, record in _records(i, stamp, numbers):
                 if topic not in channels:

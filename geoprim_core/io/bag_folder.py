@@ -51,7 +51,8 @@ def open_files(path: Path, *, keep_doubtful: bool) -> BagFiles:
     names = sorted(path.glob("*.mcap"), key=_natural)
     if not names:
         held = ", ".join(sorted(p.name for p in path.iterdir())[:8]) or "nothing"
-        raise BagError(f"folder {path} holds no .mcap file; it holds {held}")
+        packed = "; unpack them with `zstd -d` first" if any(path.glob("*.mcap.zstd")) else ""
+        raise BagError(f"folder {path} holds no .mcap file; it holds {held}{packed}")
     bag = BagFiles()
     listed = _listed(path, bag)
     errors = [_open_file(name, listed, keep_doubtful, bag) for name in names]
@@ -97,6 +98,8 @@ def _listed(path: Path, bag: BagFiles) -> dict[str, dict[str, Any]]:
             content = yaml.safe_load(opened.read(_LARGEST_METADATA))
         facts = content["rosbag2_bagfile_information"]
         names = [Path(str(name)).name for name in facts["relative_file_paths"]]
+        if str(facts.get("compression_mode")).lower() == "message":
+            bag.notes.append("each message is compressed; unpack them with `ros2 bag convert`")
         details = {Path(str(f["path"])).name: dict(f) for f in facts.get("files") or ()}
     except FileNotFoundError:
         bag.notes.append(f"{_METADATA} is missing; whether a file at the end is cannot be told")

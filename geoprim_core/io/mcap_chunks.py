@@ -20,6 +20,7 @@ LARGEST_CHUNK = 1 << 29
 _PIECE = 1 << 16
 _FINE = 1 << 12
 _AT_LEAST = 1 << 24
+_LIKELY_RATIO = 8
 _HEAD = struct.Struct("<BQ")
 INSIDE = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
 _MESSAGE_START = re.compile(rb"\x05(?=.{4}\0{4})", re.DOTALL)
@@ -155,7 +156,8 @@ def _zstd(data: bytes, limit: int) -> Iterator[bytes]:
 def _lz4(data: bytes, limit: int) -> Iterator[bytes]:
     try:
         whole = lz4.frame.LZ4FrameDecompressor()
-        unpacked = whole.decompress(data, max_length=limit)
+        likely = min(limit, _LIKELY_RATIO * len(data) + _AT_LEAST // 16)  # allocated at once
+        unpacked = whole.decompress(data, max_length=likely)
         if whole.eof and not whole.unused_data:
             yield unpacked
             return

@@ -62,7 +62,7 @@ def read_summary(scan: Scan) -> Summary | None:
     if scan.footer is None:
         return None
     start, _, crc = _FOOTER.unpack(scan.view.at(scan.footer + HEAD, FOOTER_BODY))
-    if not start and not crc:
+    if not start and scan.summary in (None, scan.footer):
         return None
     for place in dict.fromkeys((start, scan.summary)):
         if place is not None and _holds(scan.view, place, scan.footer, crc):
