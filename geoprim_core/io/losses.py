@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Self
 
 _SHOWN = 3
@@ -56,6 +58,24 @@ class Loss:
             return f", {self.start_ns / 1e9:.3f} s to {self.end_ns / 1e9:.3f} s"
         after = "" if self.after_ns is None else f", after {self.after_ns / 1e9:.3f} s"
         return after + ("" if self.before_ns is None else f", before {self.before_ns / 1e9:.3f} s")
+
+
+def tell_times(losses: Iterable[Loss], read: Iterable[tuple[int, int, int]]) -> None:
+    """Give losses without times of their own those that were read around them.
+
+    `read` has offset, first and last log time of every part that was read.
+    """
+    parts = sorted(read)
+    offsets = [offset for offset, _, _ in parts]
+    newest = list(accumulate((end for _, _, end in parts), max))
+    oldest = list(accumulate((start for _, start, _ in reversed(parts)), min))[::-1]
+    for loss in losses:
+        if loss.start_ns is None and loss.offset:
+            before, behind = bisect_left(offsets, loss.offset), bisect_right(offsets, loss.offset)
+            loss.after_ns = newest[before - 1] if before else None
+            loss.before_ns = oldest[behind] if behind < len(oldest) else None
+            if loss.after_ns and loss.before_ns and loss.before_ns < loss.after_ns:
+                loss.before_ns = None
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from typing import IO, NamedTuple
 from mcap.records import Attachment, Channel, Header, Message, Metadata, Schema, Statistics
 
 from geoprim_core.errors import BagError
-from geoprim_core.io.losses import Loss
+from geoprim_core.io.losses import Loss, tell_times
 from geoprim_core.io.mcap_catalogue import Catalogue, Grade
 from geoprim_core.io.mcap_chunks import LARGEST_CHUNK
 from geoprim_core.io.mcap_reading import Reading, read_extent
@@ -177,7 +177,8 @@ class McapFile:
             for i in order:
                 self._second_look(view, self._extents[i], seen)
         self._note_descriptions()
-        self._note_times()
+        read = ((e.offset, e.start_time, e.end_time) for e in self._extents if e.end_time)
+        tell_times(self.losses.values(), read)
 
     def _sorted(self, channels: set[int] | None) -> Iterator[Found]:
         pending: list[tuple[int, int, Found]] = []
@@ -264,17 +265,6 @@ class McapFile:
         if extent.orphan and reading.grade >= Grade.PLAIN and passed:
             none = Loss(extent.offset, 0, "what follows may belong to another file: no index tells")
             self.losses.setdefault("orphans", none).kept += len(passed)
-
-    def _note_times(self) -> None:
-        """Tell of losses without times of their own what was read around them."""
-        read = [e for e in self._extents if e.end_time]
-        for loss in self.losses.values():
-            if loss.start_ns is None and loss.offset:
-                before = [e.end_time for e in read if e.offset < loss.offset]
-                behind = [e.start_time for e in read if e.offset > loss.offset]
-                loss.after_ns, loss.before_ns = max(before, default=None), min(behind, default=None)
-                if before and behind and min(behind) < max(before):
-                    loss.before_ns = None
 
     def _note_descriptions(self) -> None:
         """Note the topics and types that may be wrong."""

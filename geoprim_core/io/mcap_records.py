@@ -23,6 +23,7 @@ PRIVATE = 0x80  # from here on opcodes are free for anybody's records
 _HEAD = struct.Struct("<BQ")
 _CHUNK = struct.Struct("<BQQQQII")
 _LONGEST_NAME = 4096
+_SMALL, _BLOCK = 256, 4096  # small reads come from a block that is kept
 _STARTS = {"zstd": b"\x28\xb5\x2f\xfd", "lz4": b"\x04\x22\x4d\x18"}
 
 
@@ -31,12 +32,19 @@ class View:
 
     def __init__(self, file: IO[bytes]) -> None:
         self._file = file
+        self._block, self._base = b"", 0
         self.size = file.seek(0, 2)
 
     def at(self, offset: int, length: int) -> bytes:
         """Return the bytes at an offset."""
-        self._file.seek(offset)
-        return self._file.read(min(length, max(self.size - offset, 0)))
+        if length > _SMALL:
+            self._file.seek(offset)
+            return self._file.read(min(length, max(self.size - offset, 0)))
+        place = offset - self._base
+        if not 0 <= place <= len(self._block) - length:
+            self._file.seek(offset)
+            self._block, self._base, place = self._file.read(_BLOCK), offset, 0
+        return self._block[place : max(min(offset + length, self.size) - self._base, place)]
 
     def number(self, offset: int, length: int) -> int:
         """Return a little-endian number; beyond the end one that fits nowhere."""

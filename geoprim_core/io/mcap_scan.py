@@ -55,7 +55,7 @@ class Extent:
     head : ChunkHead or None
         None for a message.
     offset, end : int
-        What belongs to it; shorter than its head says where something else follows.
+        What belongs to it, up to where something else follows.
     start_time, end_time : int
         The earliest log time in it, as far as known, and the latest once it was read.
     counted : int
@@ -114,7 +114,7 @@ class Scan:
     footer, summary : int or None
         Where the last footer and the records behind the end of the data start.
     data_crc : int
-        Checksum of the data section, 0 where there is none.
+        Checksum of the data section or 0.
     """
 
     def __init__(self, view: View) -> None:
@@ -128,12 +128,13 @@ class Scan:
         self.data_crc = 0
         self._last: Extent | Loss | None = None
         self._last_private: int | None = None
+        self._chunks = 0
         self._work = 8 * view.size + (1 << 26)  # how much may be unpacked while searching
         self._guess = self._broken_off = False
         self._cut_zeros()
         self._walk()
         if not self.extents and self.losses:
-            self._guess, self._broken_off = True, False
+            self._guess, self._broken_off = True, False  # perhaps it has no chunks at all
             self.records, self.attachments, self._last = [], [], None
             self.losses = {at: loss for at, loss in self.losses.items() if at >= view.size}
             self._walk()
@@ -241,7 +242,7 @@ class Scan:
             self._add(Extent(head, position, end, head.start_time))
         elif opcode == Opcode.MESSAGE:
             # between chunks none is expected: the length of the chunk before led astray
-            self._broken_off |= any(e.head is not None for e in self.extents)
+            self._broken_off |= self._chunks > 0
             body = self.view.at(position + HEAD, MESSAGE_BODY.size)
             time = MESSAGE_BODY.unpack(body)[2]
             self._add(Extent(None, position, end, time, counted=1))
@@ -287,6 +288,7 @@ class Scan:
 
     def _add(self, extent: Extent) -> None:
         extent.orphan = self._broken_off
+        self._chunks += extent.head is not None
         self.extents.append(extent)
         self._last, self._last_private = extent, None
 
@@ -295,8 +297,7 @@ class Scan:
 
         What stands inside chunks is not taken for a record outside: its checksum is the chunk's.
         """
-        loose = self._guess or any(e.head is None for e in self.extents)
-        own = () if loose else INSIDE
+        own = () if self._guess or len(self.extents) > self._chunks else INSIDE
         self._broken_off = True
         places = _candidates(self.view, start)
         return next((p for p in places if self._starts(p, own)), self.view.size)

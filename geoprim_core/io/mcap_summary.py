@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 import zlib
+from bisect import bisect_right
 from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import Any
@@ -81,8 +82,7 @@ def compare(scan: Scan, summary: Summary) -> None:
     if summary.chunks and _of_another_file(chunks, summary):
         _disown(scan, chunks, summary)
         return
-    for index in missing:
-        _note_missing(scan, index, summary.shift)
+    _note_missing(scan, missing, summary.shift)
     for extent in chunks:
         if extent.listed is None and summary.chunks:
             extent.stray = summary.proved
@@ -205,17 +205,18 @@ def _signature(line: ChunkIndex) -> tuple[int, int, int, int, str]:
     )
 
 
-def _note_missing(scan: Scan, line: ChunkIndex, shift: int) -> None:
-    """Note a chunk that is gone, with the loss at its place where there is one."""
-    start, end = line.chunk_start_offset, line.chunk_start_offset + line.chunk_length
-    near = [
-        loss
-        for loss in scan.losses.values()
-        if not shift and loss.bytes and loss.offset < end and loss.offset + loss.bytes > start
-    ]
-    loss = near[0] if near else None
-    if loss is None:
-        while start in scan.losses:
-            start += 1
-        loss = scan.lose(start, 0, "a chunk that the index lists is missing")
-    loss.span(line.message_start_time, line.message_end_time)
+def _note_missing(scan: Scan, lines: list[ChunkIndex], shift: int) -> None:
+    """Note chunks that are gone, each with the loss at its place where there is one."""
+    holes = [] if shift else sorted(scan.losses.items(), key=lambda item: item[0])
+    holes = [(offset, loss) for offset, loss in holes if loss.bytes]
+    ends = [offset + loss.bytes for offset, loss in holes]
+    for line in lines:
+        start = line.chunk_start_offset
+        near = bisect_right(ends, start)
+        if near < len(holes) and holes[near][0] < start + line.chunk_length:
+            loss = holes[near][1]
+        else:
+            while start in scan.losses:
+                start += 1
+            loss = scan.lose(start, 0, "a chunk that the index lists is missing")
+        loss.span(line.message_start_time, line.message_end_time)
