@@ -7,10 +7,8 @@ checksum fails is searched itself: with bytes missing inside, it reaches into it
 
 from __future__ import annotations
 
-import re
 import struct
 import zlib
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -31,6 +29,7 @@ from geoprim_core.io.mcap_records import (
     record_end,
     record_head,
 )
+from geoprim_core.io.mcap_search import candidates
 
 _PARSED: dict[int, Any] = {
     Opcode.HEADER: Header,
@@ -40,8 +39,6 @@ _PARSED: dict[int, Any] = {
     Opcode.METADATA: Metadata,
 }
 _LARGEST_RECORD = 1 << 26
-_BLOCK, _OVERLAP = 1 << 20, 16
-_START = re.compile(rb"[\x01-\x0f](?!\0{8})(?=.{4}\0{4})", re.DOTALL)
 _TAIL = 1 << 16
 _FEWEST_ZEROS = 16
 
@@ -299,17 +296,17 @@ class Scan:
         """
         own = () if self._guess or len(self.extents) > self._chunks else INSIDE
         self._broken_off = True
-        places = _candidates(self.view, start)
-        return next((p for p in places if self._starts(p, own)), self.view.size)
+        places = candidates(self.view, start, own)
+        return next((p for p in places if self._starts(p)), self.view.size)
 
-    def _starts(self, position: int, own: Sequence[int]) -> bool:
+    def _starts(self, position: int) -> bool:
         opcode = record_head(self.view, position)[0]
         if opcode == Opcode.CHUNK:
             head = chunk_head(self.view, position)
             # its lengths agree with each other: by chance once in 2**64 places
             return head is not None and head.consistent and head.start_time <= head.end_time
         end = record_end(self.view, position)
-        return opcode not in own and end is not None and self._known(end)
+        return end is not None and self._known(end)
 
     def _known(self, position: int) -> bool:
         """Return whether something stands at a place that a record may end at."""
@@ -332,17 +329,6 @@ class Scan:
         if zeros >= _FEWEST_ZEROS:
             self.lose(size, zeros, "the file ends in zeros")
             self.view.size = size
-
-
-def _candidates(view: View, start: int) -> Iterator[int]:
-    """Yield the places whose first nine bytes can be the head of a record."""
-    for base in range(start, view.size, _BLOCK):
-        block = view.at(base, _BLOCK + _OVERLAP)
-        for match in _START.finditer(block):
-            place = match.start()
-            length = int.from_bytes(block[place + 1 : place + HEAD], "little")
-            if place < _BLOCK and 4 <= length <= view.size:
-                yield base + place
 
 
 def _hull(times: tuple[int, int] | None, more: list[int]) -> tuple[int, int] | None:
