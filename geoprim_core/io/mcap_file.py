@@ -33,6 +33,7 @@ from geoprim_core.io.mcap_summary import compare, read_summary
 _NOT_OURS = "no index tells that it belongs to this file"
 # So many bytes of messages wait for earlier ones of later chunks, at most.
 _WINDOW = 1 << 28
+_VAIN_RATIO = 64
 
 
 class Found(NamedTuple):
@@ -88,6 +89,7 @@ class McapFile:
         self.tallies: Counter[int] | None = None
         self.doubtful = self.unprotected = 0
         self.announced: int | None = None
+        self._in_vain = 0  # bytes that were unpacked and failed their checksums
         self._strays = 0  # messages passed on that the index does not know of
         self._catalogue = Catalogue()
         self._keep = keep_doubtful
@@ -202,6 +204,9 @@ class McapFile:
     def _read(self, view: View, extent: Extent) -> tuple[Reading, list[Found]]:
         """Return what an extent gives and which messages of it are passed on; note its loss."""
         reading = read_extent(view, extent, checksums=self._checksums)
+        return reading, self._pass_on(extent, reading)
+
+    def _pass_on(self, extent: Extent, reading: Reading) -> list[Found]:
         for record in reading.content.definitions:
             self._catalogue.add(record, reading.grade)
         doubt = reading.doubt
@@ -216,7 +221,7 @@ class McapFile:
                     other = self._catalogue.doubt(message.channel_id)
                     passed.append(Found(message, doubt or other))
         self._note(extent, reading, len(passed) + len(extent.repeated), unknown)
-        return reading, passed
+        return passed
 
     def _note(self, extent: Extent, reading: Reading, passed: int, unknown: int) -> None:
         loss = reading.loss(extent, passed + unknown)
@@ -243,7 +248,9 @@ class McapFile:
             self.losses["count"] = Loss(0, 0, text, max(expected - sum(seen.values()), 0))
 
     def _first_look(self, view: View, extent: Extent) -> Grade:
+        extent.given_up = self._in_vain > _VAIN_RATIO * view.size + _WINDOW
         reading, _ = self._read(view, extent)
+        self._in_vain += reading.unpacked if reading.grade is Grade.WRONG else 0
         times = [message.log_time for message in reading.content.messages]
         extent.start_time = min(times, default=extent.start_time)
         extent.end_time = max(times, default=0)
@@ -251,13 +258,13 @@ class McapFile:
 
     def _second_look(self, view: View, extent: Extent, seen: set[int] | None) -> None:
         """Count the messages of an extent, best proved extents first."""
+        reading = read_extent(view, extent, checksums=self._checksums)
         if seen is not None:
-            content = read_extent(view, extent, checksums=self._checksums).content
-            keys = [_key(message) for message in content.messages]
+            keys = [_key(message) for message in reading.content.messages]
             extent.repeated = {i for i, key in enumerate(keys) if key in seen}
             seen.update(keys)
         assert self.tallies is not None
-        reading, passed = self._read(view, extent)
+        passed = self._pass_on(extent, reading)
         self.tallies.update(found.message.channel_id for found in passed)
         self.doubtful += sum(bool(found.doubt) for found in passed)
         self.unprotected += len(passed) if reading.grade is Grade.PLAIN else 0

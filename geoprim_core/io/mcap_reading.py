@@ -27,11 +27,15 @@ _DOUBTS = {
 
 @dataclass
 class Reading:
-    """The records of an extent with the grade of all of them and what is wrong, if anything."""
+    """The records of an extent with the grade of all of them and what is wrong, if anything.
+
+    `unpacked` is how many bytes it took.
+    """
 
     content: Content
     grade: Grade
     fault: str = ""
+    unpacked: int = 0
 
     @property
     def doubt(self) -> str:
@@ -65,12 +69,15 @@ def read_extent(view: View, extent: Extent, *, checksums: bool) -> Reading:
     """Return what an extent gives; `checksums` tells whether chunks of this file have them."""
     if extent.end - extent.offset > LARGEST_CHUNK:
         return Reading(Content(), Grade.WRONG, f"it is larger than {LARGEST_CHUNK} bytes")
+    if extent.given_up:
+        return Reading(Content(), Grade.WRONG, "not unpacked: too much before it was wrong")
     if extent.head is None:
         body = view.at(extent.offset + HEAD, extent.end - extent.offset - HEAD)
         return Reading(Content([message_of(body)]), Grade.DOUBTFUL if checksums else Grade.PLAIN)
     unpacked, grade = _best(extent.head, extent, extent.data(view), checksums)
     content = split(unpacked.data)
-    return Reading(content, grade, _fault(extent, unpacked, content, grade))
+    fault = _fault(extent, unpacked, content, grade)
+    return Reading(content, grade, fault, len(unpacked.data))
 
 
 def _best(head: ChunkHead, extent: Extent, data: bytes, checksums: bool) -> tuple[Unpacked, Grade]:

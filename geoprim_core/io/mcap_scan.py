@@ -71,6 +71,8 @@ class Extent:
         That index does not know it.
     orphan : bool
         It lies behind a place where the walk broke off; only an index can tell whose it is.
+    given_up : bool
+        It is not unpacked, as more than enough was unpacked in vain before.
     repeated : set of int
         Which of its messages stand elsewhere in the file too.
     """
@@ -88,6 +90,7 @@ class Extent:
     listed: ChunkIndex | None = None
     stray: bool = False
     orphan: bool = False
+    given_up: bool = False
     repeated: set[int] = field(default_factory=set)
 
     def data(self, view: View) -> bytes:

@@ -214,11 +214,24 @@ def test_a_file_of_forged_chunk_heads_ends(tmp_path):
     size = 8 + count * head.size
     content = bytearray(b"\x89MCAP0\r\n")
     for i in range(count):
-        rest = size - 8 - (i + 1) * head.size
+        rest = max(size - 8 - (i + 1) * head.size - 3, 0)
         content += head.pack(6, 40 + rest, 0, 1, rest, 1, 0, rest)
     (tmp_path / "forged.mcap").write_bytes(content)
     with pytest.raises(BagError, match="no topic"):
         BagReader(tmp_path / "forged.mcap").topic("image")
+
+
+def test_what_fails_again_and_again_is_given_up(tmp_path, monkeypatch):
+    """A file of bombs with wrong checksums is not unpacked to its bitter end."""
+    monkeypatch.setattr(mcap_file, "_WINDOW", 1 << 20)
+    bomb = zstandard.compress(bytes(1 << 20))
+    head = struct.pack("<BQQQQII", 6, 44 + len(bomb), 0, 1, 1 << 20, 1, 4) + b"zstd"
+    chunk = head + struct.pack("<Q", len(bomb)) + bomb
+    (tmp_path / "bombs.mcap").write_bytes(b"\x89MCAP0\r\n" + 300 * chunk)
+    reader = BagReader(tmp_path / "bombs.mcap")
+    assert list(reader.messages()) == []
+    assert any("not unpacked" in reason for reason in reader.losses.reasons)
+    assert reader.losses.bytes == 300 * len(chunk)
 
 
 def test_a_damaged_record_in_a_chunk_costs_no_other():
