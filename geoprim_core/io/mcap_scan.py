@@ -29,7 +29,7 @@ from geoprim_core.io.mcap_records import (
     record_end,
     record_head,
 )
-from geoprim_core.io.mcap_search import candidates
+from geoprim_core.io.mcap_search import candidates, trailing_zeros
 
 _PARSED: dict[int, Any] = {
     Opcode.HEADER: Header,
@@ -39,7 +39,6 @@ _PARSED: dict[int, Any] = {
     Opcode.METADATA: Metadata,
 }
 _LARGEST_RECORD = 1 << 26
-_TAIL = 1 << 16
 _FEWEST_ZEROS = 16
 
 
@@ -170,6 +169,8 @@ class Scan:
         opcode = record_head(self.view, position)[0]
         if opcode == Opcode.FOOTER:
             return self._end(position, end)
+        if opcode >= PRIVATE and self._disguised(position, end):
+            return end
         self._note(opcode, position, end)
         return end
 
@@ -182,6 +183,18 @@ class Scan:
         extent.end = next(sure, None) or self._next_start(head.data_offset)
         extent.cut = extent.end >= self.view.size
         return extent.end
+
+    def _disguised(self, position: int, end: int) -> bool:
+        """Take in a chunk with a damaged opcode, which its checksum tells from private records."""
+        head = chunk_head(self.view, position)
+        if head is None or head.data_offset + head.data_length > end:
+            return False
+        extent = Extent(head, position, end, head.start_time)
+        if not self._proved(extent):
+            return False
+        extent.broken = True
+        self._add(extent)
+        return True
 
     def _end(self, footer: int, end: int) -> int:
         """Take in a footer; return where to go on, behind the file at its true end."""
@@ -320,18 +333,10 @@ class Scan:
         )
 
     def _cut_zeros(self) -> None:
-        """Leave out the zeros at the end, which a file system may leave after a power cut."""
-        size = self.view.size
-        while size > len(MAGIC):
-            block = self.view.at(max(size - _TAIL, 0), min(_TAIL, size))
-            kept = len(block.rstrip(b"\0"))
-            size -= len(block) - kept
-            if kept:
-                break
-        zeros = self.view.size - size
+        zeros = trailing_zeros(self.view)
         if zeros >= _FEWEST_ZEROS:
-            self.lose(size, zeros, "the file ends in zeros")
-            self.view.size = size
+            self.view.size -= zeros
+            self.lose(self.view.size, zeros, "the file ends in zeros")
 
 
 def _hull(times: tuple[int, int] | None, more: list[int]) -> tuple[int, int] | None:

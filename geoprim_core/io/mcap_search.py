@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from mcap.opcode import Opcode
 
-from geoprim_core.io.mcap_records import HEAD, View
+from geoprim_core.io.mcap_records import HEAD, MAGIC, View
 
 _BLOCK, _OVERLAP = 1 << 20, 64
 _HEAD = struct.Struct("<BQ")
@@ -17,6 +17,7 @@ _FITS: dict[int, tuple[int, Callable[[int, int], bool]]] = {
     Opcode.CHUNK: (37, lambda name, _: name <= 16),
     Opcode.MESSAGE_INDEX: (11, lambda array, length: array == length - 6),
 }
+_TAIL = 1 << 16
 _START = re.compile(rb"[\x01-\x0f](?!\0{8})(?=.{4}\0{4})", re.DOTALL)
 
 
@@ -34,3 +35,15 @@ def candidates(view: View, start: int, own: Sequence[int]) -> Iterator[int]:
                 if not fits(int.from_bytes(block[place + at : place + at + 4], "little"), length):
                     continue
             yield base + place
+
+
+def trailing_zeros(view: View) -> int:
+    """Return how many zeros a file ends in; a file system may leave some after a power cut."""
+    size = view.size
+    while size > len(MAGIC):
+        block = view.at(max(size - _TAIL, 0), min(_TAIL, size))
+        kept = len(block.rstrip(b"\0"))
+        size -= len(block) - kept
+        if kept:
+            break
+    return view.size - size

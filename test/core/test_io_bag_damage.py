@@ -243,6 +243,15 @@ def test_a_damaged_record_in_a_chunk_costs_no_other():
     assert "byte 35" in content.fault
 
 
+@pytest.mark.parametrize("opcode", [0x86, 0x07, 0x46])
+def test_a_chunk_with_a_damaged_opcode_is_told_by_its_checksum(whole, tmp_path, opcode):
+    path, originals = whole
+    hit = chunks(path)[3].chunk_start_offset
+    reader = BagReader(changed(path, tmp_path, lambda data: data.__setitem__(hit, opcode)))
+    assert rows(reader) == Counter(originals)
+    assert "damaged head" in reader.losses.reasons[0]
+
+
 @pytest.mark.parametrize("place", [0, -1])
 def test_a_damaged_mark_costs_no_message(whole, tmp_path, place):
     path, originals = whole
