@@ -110,7 +110,11 @@ def _fault(extent: Extent, unpacked: Unpacked, content: Content, grade: Grade) -
     if grade is Grade.PROVED:
         if content.fault:
             return content.fault
-        return "its messages are whole" if extent.broken or unpacked.fault else ""
+        if extent.broken or unpacked.fault:
+            return "its messages are whole"
+        times = [message.log_time for message in content.messages]
+        indexed = extent.times is not None and extent.counted == len(times)
+        return "the index behind it" if indexed and extent.times != (min(times), max(times)) else ""
     if unpacked.fault or content.fault:
         return unpacked.fault or content.fault
     return "its checksum fails" if grade is Grade.WRONG else ""
