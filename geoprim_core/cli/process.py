@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Process every frame; exit code 1 where frames were bad or parts of the bag were lost."""
+    """Process every frame; exit code 1 where frames or parts of the bag were lost, 2 if all."""
     given = arguments.config is not None
     config = load_config(arguments.config) if given else Config(DetectorParams(), SortingParams())
     report = process_bag(
@@ -48,4 +48,6 @@ def run(arguments: argparse.Namespace) -> int:
     )
     if report.overlays:
         print(f"{len(report.overlays)} overlays: {report.overlays[0].parent}")
+    if not report.frames and report.losses:
+        return 2
     return 1 if report.bad_frames or report.losses else 0

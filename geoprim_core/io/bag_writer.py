@@ -7,8 +7,9 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Self
+from typing import IO, Any, Self
 
+from mcap.records import Attachment, Channel, Message, Schema
 from mcap.writer import CompressionType, Writer
 
 from geoprim_core.errors import FileError, InputError
@@ -34,6 +35,8 @@ class BagWriter:
     path : path of the .mcap file
     chunk_bytes : int
         Messages are packed together up to this size; what is damaged later is lost by the chunk.
+    profile : str
+        Whose conventions the bag follows.
     compression : {"zstd", "lz4", "none"}
         How the chunks are compressed.
     in_place : bool
@@ -62,6 +65,7 @@ class BagWriter:
         self,
         path: str | os.PathLike[str],
         chunk_bytes: int = 1 << 20,
+        profile: str = "ros2",
         *,
         compression: str = "zstd",
         in_place: bool = False,
@@ -74,6 +78,8 @@ class BagWriter:
         self._schemas: dict[tuple[str, str], int] = {}
         self._channels: dict[tuple[str, int], int] = {}
         self._counts: dict[int, int] = {}
+        self._copied_schemas: dict[tuple[str, str, bytes], int] = {}
+        self._copied_channels: dict[tuple[Any, ...], int] = {}
         try:
             if self.path.is_dir():
                 raise IsADirectoryError(None, "it is a folder")
@@ -81,7 +87,7 @@ class BagWriter:
         except OSError as error:
             raise _unwritable(self.path, error) from None
         self._writer = Writer(self._file, chunk_bytes, COMPRESSIONS[compression])
-        self._writer.start(profile="ros2", library="geoprim")
+        self._writer.start(profile=profile, library="geoprim")
 
     def __enter__(self) -> Self:
         return self
@@ -130,6 +136,43 @@ class BagWriter:
             channel = self._channel(topic, type_name, definition, offered_qos)
             count = self._counts[channel] = self._counts.get(channel, -1) + 1
             self._writer.add_message(channel, log_time_ns, data, log_time_ns, count)
+        except OSError as error:
+            raise _unwritable(self.path, error) from None
+
+    def write_copy(self, channel: Channel, schema: Schema | None, message: Message) -> None:
+        """Write a message of another bag as it is there, with its channel and schema."""
+        try:
+            number = self.add_channel(channel, schema)
+            self._writer.add_message(
+                number, message.log_time, message.data, message.publish_time, message.sequence
+            )
+        except OSError as error:
+            raise _unwritable(self.path, error) from None
+
+    def add_channel(self, channel: Channel, schema: Schema | None) -> int:
+        """Describe a channel as another bag does; return its number here."""
+        number = 0
+        if schema is not None:
+            key = (schema.name, schema.encoding, schema.data)
+            if key not in self._copied_schemas:
+                text = self._writer.register_schema(schema.name, schema.encoding, schema.data)
+                self._copied_schemas[key] = text
+            number = self._copied_schemas[key]
+        facts = tuple(sorted(channel.metadata.items()))
+        place = (channel.topic, channel.message_encoding, number, facts)
+        if place not in self._copied_channels:
+            self._copied_channels[place] = self._writer.register_channel(
+                channel.topic, channel.message_encoding, number, channel.metadata
+            )
+        return self._copied_channels[place]
+
+    def add_attachment(self, attachment: Attachment) -> None:
+        """Write a file that belongs to the bag."""
+        part = attachment
+        try:
+            self._writer.add_attachment(
+                part.create_time, part.log_time, part.name, part.media_type, part.data
+            )
         except OSError as error:
             raise _unwritable(self.path, error) from None
 

@@ -17,23 +17,26 @@ Examples
 
 from __future__ import annotations
 
+import heapq
 import os
-import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from itertools import chain, pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from mcap.records import Channel, Message, Schema
 from rosbags.typesys.store import Typestore
 
 from geoprim_core._check import AnyArray
 from geoprim_core.errors import BagError, InputError
+from geoprim_core.io.bag_folder import open_files
 from geoprim_core.io.bag_writer import BagWriter
 from geoprim_core.io.definitions import message_texts, new_typestore, split_schema, typestore
 from geoprim_core.io.image_message import image_from_message
-from geoprim_core.io.mcap_file import Losses, McapFile
+from geoprim_core.io.losses import Losses
+from geoprim_core.io.mcap_file import Found, McapFile
 from geoprim_core.io.record import stamp_of
 
 __all__ = ["BagImage", "BagMessage", "BagReader", "BagWriter", "Losses", "Topic", "bag_image"]
@@ -63,6 +66,10 @@ class BagMessage:
         CDR bytes as they stand in the bag.
     definition : str
         Schema text of the type; empty where the bag has none.
+    doubt : str
+        Why its bytes, its topic or its type may be wrong; empty when nothing speaks against them.
+    encoding : str
+        How the bytes are to be read, as the bag says.
     """
 
     topic: str
@@ -71,11 +78,22 @@ class BagMessage:
     raw: bytes
     definition: str
     decoder: Callable[[], Any]
+    doubt: str = ""
+    encoding: str = "cdr"
 
     @cached_property
     def decoded(self) -> Any:
         """The message with its fields as attributes; damaged bytes raise `BagError`."""
         return self.decoder()
+
+
+class BagRecord(NamedTuple):
+    """A message of a bag with the records that describe it, and why it may be wrong."""
+
+    channel: Channel
+    schema: Schema | None
+    message: Message
+    doubt: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,11 +122,14 @@ class BagReader:
     """Reads an MCAP file or the folder of a rosbag2 recording.
 
     A file that is cut off or damaged is read as far as it goes, chunk by chunk; `losses` tells
-    what is missing.
+    what is missing. A message whose checksum fails is kept back; one whose checksum is cut off
+    with the rest of its chunk comes with a `doubt`.
 
     Parameters
     ----------
     path : path of an .mcap file, or of a folder with such files
+    keep_doubtful : bool
+        Also pass on messages whose checksum fails, with a `doubt`.
 
     Attributes
     ----------
@@ -121,23 +142,53 @@ class BagReader:
         There is no such file, it is empty or it is not MCAP.
     """
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str], *, keep_doubtful: bool = False) -> None:
         self.path = Path(path)
-        self.files = tuple(_bag_files(self.path))
-        self._files = [McapFile(file) for file in self.files]
+        self._bag = open_files(self.path, keep_doubtful=keep_doubtful)
+        self._files = self._bag.files
+        self.files = tuple(file.path for file in self._files)
         self._stores: dict[tuple[str, bytes], Typestore] = {}
+        for file in self._files:
+            if file.statistics is None:
+                file.survey()
         self._topics = self._survey()
 
     def topics(self) -> tuple[Topic, ...]:
         """Return the topics, sorted by name."""
         return self._topics
 
+    def prove(self) -> Losses:
+        """Read every message of the bag and return all that is lost."""
+        for file in self._files:
+            file.survey()
+        self._topics = self._survey()
+        return self.losses
+
+    @property
+    def parts(self) -> tuple[McapFile, ...]:
+        """The files of the bag."""
+        return tuple(self._files)
+
     @property
     def losses(self) -> Losses:
         """What could not be read, as far as noticed until now."""
-        parts = [loss for file in self._files for loss in file.losses.values()]
-        length, messages = sum(p.bytes for p in parts), sum(p.messages for p in parts)
-        return Losses(len(parts), length, messages, tuple(p.reason for p in parts))
+        parts = list(self._bag.losses)
+        for file in self._files:
+            name = f"{file.path.name}: " if len(self._files) > 1 else ""
+            parts += [replace(p, reason=name + p.reason) for p in file.losses.values()]
+        notes = [*self._bag.notes, *(n for file in self._files for n in file.notes.values())]
+        return Losses.of(parts, missing=self._missing(), doubtful=self._doubtful(), notes=notes)
+
+    def _missing(self) -> int | None:
+        counts = [file.missing for file in self._files]
+        known = [count for count in counts if count is not None]
+        if self._bag.uncounted or len(known) < len(counts):
+            return None
+        return sum(known) + sum(loss.messages for loss in self._bag.losses)
+
+    def _doubtful(self) -> int | None:
+        read = all(file.tallies is not None for file in self._files)
+        return sum(file.doubtful for file in self._files) if read else None
 
     @property
     def metadata(self) -> dict[str, dict[str, str]]:
@@ -162,7 +213,7 @@ class BagReader:
     @property
     def time_range(self) -> tuple[int, int]:
         """The earliest and the latest log time of the bag in nanoseconds; (0, 0) when empty."""
-        ranges = [file.time_range for file in self._files]
+        ranges = [file.span for file in self._files]
         known = [times for times in ranges if times is not None]
         return min((t[0] for t in known), default=0), max((t[1] for t in known), default=0)
 
@@ -215,16 +266,36 @@ class BagReader:
             raise BagError(f"topic {found.name} holds {found.type}, expected {expected}")
         return (bag_image(message) for message in self._messages({found.name}))
 
+    def records(self) -> Iterator[BagRecord]:
+        """Yield all messages in the order of their log times as the records that they are."""
+        for file, found in self._found(None):
+            channel = file.channels[found.message.channel_id]
+            yield BagRecord(channel, file.schemas.get(channel.schema_id), *found)
+
     def _messages(
         self, names: set[str] | None, since_ns: int | None = None, until_ns: int | None = None
     ) -> Iterator[BagMessage]:
-        for file in self._files:
-            chosen = {c for c, channel in file.channels.items() if names and channel.topic in names}
-            wanted = None if names is None else chosen
-            for message in file.messages(wanted, since_ns, until_ns):
-                yield self._bag_message(file, message)
+        found = self._found(names, since_ns, until_ns)
+        return (self._bag_message(file, one) for file, one in found)
 
-    def _bag_message(self, file: McapFile, message: Message) -> BagMessage:
+    def _found(
+        self, names: set[str] | None, since_ns: int | None = None, until_ns: int | None = None
+    ) -> Iterator[tuple[McapFile, Found]]:
+        parts = [self._found_in(file, names, since_ns, until_ns) for file in self._files]
+        spans = [span for file in self._files if (span := file.span) is not None]
+        if all(before[1] <= after[0] for before, after in pairwise(spans)):
+            return chain.from_iterable(parts)
+        return heapq.merge(*parts, key=lambda part: part[1].message.log_time)
+
+    def _found_in(
+        self, file: McapFile, names: set[str] | None, since_ns: int | None, until_ns: int | None
+    ) -> Iterator[tuple[McapFile, Found]]:
+        chosen = {c for c, channel in file.channels.items() if names and channel.topic in names}
+        wanted = None if names is None else chosen
+        return ((file, found) for found in file.messages(wanted, since_ns, until_ns))
+
+    def _bag_message(self, file: McapFile, found: Found) -> BagMessage:
+        message = found.message
         channel = file.channels[message.channel_id]
         schema = file.schemas.get(channel.schema_id)
         name = "" if schema is None else schema.name
@@ -236,6 +307,8 @@ class BagReader:
             message.data,
             text,
             lambda: self._decode(channel, schema, message),
+            found.doubt,
+            channel.message_encoding,
         )
 
     def _decode(self, channel: Channel, schema: Schema | None, message: Message) -> Any:
@@ -261,15 +334,11 @@ class BagReader:
         return self._stores[key]
 
     def _survey(self) -> tuple[Topic, ...]:
-        """Return the topics; counted by reading where the file does not tell."""
+        """Return the topics with the numbers that were read, or else those that the file tells."""
         counts: dict[tuple[str, str], int] = {}
         for file in self._files:
-            if file.statistics is not None and not file.losses:
-                tallies = dict(file.statistics.channel_message_counts)
-            else:
-                tallies = {}
-                for message in file.messages():
-                    tallies[message.channel_id] = tallies.get(message.channel_id, 0) + 1
+            told = {} if file.statistics is None else file.statistics.channel_message_counts
+            tallies = told if file.tallies is None else file.tallies
             for number, channel in file.channels.items():
                 schema = file.schemas.get(channel.schema_id)
                 key = channel.topic, "" if schema is None else schema.name
@@ -293,18 +362,3 @@ def bag_image(message: BagMessage) -> BagImage:
     except (BagError, InputError) as error:
         return BagImage(None, str(error), stamp, frame, message.log_time_ns)
     return BagImage(image, "", stamp, frame, message.log_time_ns)
-
-
-def _bag_files(path: Path) -> list[Path]:
-    if not path.is_dir():
-        return [path]
-    files = sorted(path.glob("*.mcap"), key=_natural)
-    if not files:
-        names = ", ".join(sorted(p.name for p in path.iterdir())[:8]) or "nothing"
-        raise BagError(f"folder {path} holds no .mcap file; it holds {names}")
-    return files
-
-
-def _natural(path: Path) -> list[str]:
-    """Return a sorting key by which bag_10 comes after bag_9."""
-    return [part.zfill(12) for part in re.split(r"(\d+)", path.name)]

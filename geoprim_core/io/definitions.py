@@ -93,6 +93,31 @@ def split_schema(type_name: str, text: str) -> dict[str, str]:
     return texts
 
 
+def same_fields(type_name: str, text: str) -> bool:
+    """Return whether a schema text defines a type of ROS 2 Jazzy as ROS 2 Jazzy does.
+
+    Examples
+    --------
+    >>> same_fields("std_msgs/msg/String", "string data"), same_fields("std_msgs/msg/Char", "?")
+    (True, False)
+    """
+    known = _jazzy().fielddefs.get(type_name)
+    if known is None:
+        return True  # a type that ROS 2 does not have cannot differ from it
+    try:
+        return bool(
+            get_types_from_msg(split_schema(type_name, text)[type_name], type_name)[type_name]
+            == known
+        )
+    except Exception:  # whatever the parser makes of a damaged text
+        return False
+
+
+@cache
+def _jazzy() -> Typestore:
+    return new_typestore({})
+
+
 def type_hash(type_name: str) -> str:
     """Return the RIHS01 hash of a type, by which ROS 2 tells definitions apart."""
     return str(_known(type_name).hash_rihs01(type_name))

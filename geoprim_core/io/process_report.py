@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from geoprim_core.io.mcap_file import Losses
+from geoprim_core.io.losses import Losses
 
 
 @dataclass(frozen=True)
