@@ -67,7 +67,7 @@ def test_the_stage_nodes_have_the_parameters_of_the_detector_between_them(graph)
         return {
             n
             for n in node._parameters
-            if not n.startswith(("qos_overrides", "use_sim", "start_type"))
+            if not n.startswith(("qos_overrides", "use_sim", "start_type", "lazy"))
         }
 
     stages = [declared(kind) for kind in (EdgesNode, PolygonsNode, EllipsesNode)]
@@ -211,13 +211,15 @@ def test_qos_can_be_overridden(graph):
             "--ros-args",
             "-p", "qos_overrides./image.subscription.reliability:=reliable",
             "-p", "qos_overrides./image.subscription.depth:=7",
+            "-p", "lazy:=false",
         ],
     )  # fmt: skip
     graph.add(node)
     (image,) = [s for s in node.subscriptions if s.topic_name == "/image"]
     assert image.qos_profile.reliability == rclpy.qos.ReliabilityPolicy.RELIABLE
     assert image.qos_profile.depth == 7
-    plain = graph.add(PolygonsNode(context=graph.context))
+    always = ["--ros-args", "-p", "lazy:=false"]
+    plain = graph.add(PolygonsNode(context=graph.context, cli_args=always))
     (contours,) = [s for s in plain.subscriptions if s.topic_name == "/contours"]
     assert contours.qos_profile.reliability == rclpy.qos.ReliabilityPolicy.RELIABLE
     assert contours.qos_profile.depth == 10
