@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 
 from geoprim_core.errors import GeoprimError
@@ -23,6 +24,8 @@ class LifecycleDetector(LifecycleNodeMixin, ChainNode):  # type: ignore[misc]
         self._working = False
         ChainNode.__init__(self, "lifecycle_detector", **options)
         LifecycleNodeMixin.__init__(self)
+        self._change_state = self._service_change_state.callback
+        self._service_change_state.callback = self._answer_change
 
     def is_active(self) -> bool:
         """Tell whether the inputs shall be open: only in the state active."""
@@ -69,6 +72,17 @@ class LifecycleDetector(LifecycleNodeMixin, ChainNode):  # type: ignore[misc]
         self._work(False)
         self.disconnect()
         return super().on_error(state)
+
+    def _answer_change(self, request: Any, response: Any) -> Any:
+        """Answer `~/change_state`; of itself rclpy ends at a step that the state does not allow."""
+        before = self._state_machine.current_state[1]
+        try:
+            return self._change_state(request, response)
+        except RCLError:
+            step = request.transition.label or f"transition {request.transition.id}"
+            self.get_logger().warning(f"{step} is refused: there is no such step from {before}")
+            response.success = False
+            return response
 
     def _work(self, working: bool) -> None:
         self._working = working
