@@ -4,8 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geoprim_msgs.msg import Contours, Detections, EllipseDetections, Polygons
+from rcl_interfaces.msg import Log
+from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import CameraInfo, Image
@@ -254,3 +256,53 @@ def test_core_values_come_back_from_the_messages(graph, feed, disc_message):
     found = from_wire(feed.send(message, "ellipses"))
     direct = detect_ellipses(image_from_message(message))
     np.testing.assert_array_equal(found.ellipses.array(), direct.ellipses.array())
+
+
+def test_diagnostics_of_a_process_tell_everything(graph, make_feed, disc_message, told):
+    graph.start("geoprim_ros.nodes.detector_node")
+    feed = make_feed("ellipses")
+    reports = graph.collect(feed.node, DiagnosticArray, "/diagnostics")
+    warnings = graph.collect(feed.node, Log, "/rosout", depth=100)
+    feed.wait("ellipses")
+    for stamp in range(1, 6):
+        feed.send(disc_message(stamp), "ellipses")
+    change = Parameter("edges.sigma", value=1.5).to_parameter_msg()
+    answer = feed.ask(
+        SetParameters, "detector_node/set_parameters", SetParameters.Request(parameters=[change])
+    )
+    assert answer.results[0].successful
+    for stamp in range(6, 26):
+        feed.images.publish(disc_message(stamp, encoding="yuv_strange"))
+        graph.spin_for(0.02)
+    graph.spin_until(lambda: int(told(reports, "detector_node", "bad") or 0) > 10)
+
+    def value(key):
+        return told(reports, "detector_node", key)
+
+    graph.spin_until(lambda: int(value("frames in")) + int(value("dropped")) == 25)
+    assert value("state") == "active"
+    assert value("frames out") == "5"
+    assert int(value("bad")) == int(value("frames in")) - 5
+    assert "encoding: expected one of" in value("last reason")
+    for name in ("stage time", "hop latency"):
+        assert 0 < float(value(f"{name} p50 [ms]")) <= float(value(f"{name} p95 [ms]"))
+    assert float(value("kernel warm-up [s]")) > 0
+    assert value("parameter revision") == "1"
+    reasons = [m.msg for m in warnings if "yuv_strange" in m.msg]
+    assert len(reasons) == 1, "a series of bad frames is one warning in five seconds"
+    assert reasons[0].startswith("frame 0.0000000")
+
+
+def test_a_warning_level_stands_only_while_frames_are_bad(graph, feed, disc_message):
+    node = graph.add(EdgesNode(context=graph.context))
+    reports = graph.collect(feed.node, DiagnosticArray, "/diagnostics")
+    feed.wait("contours")
+
+    def level():
+        return [s.level for r in reports for s in r.status if s.name.startswith("edges_node")][-1:]
+
+    graph.spin_until(lambda: level() == [DiagnosticStatus.OK])
+    feed.images.publish(disc_message(1, encoding="yuv_strange"))
+    graph.spin_until(lambda: level() == [DiagnosticStatus.WARN])
+    graph.spin_until(lambda: level() == [DiagnosticStatus.OK])
+    assert node.statistics.bad == 1

@@ -40,7 +40,9 @@ ELSEWHERE = {
     "./run test": "it runs this test",
     "colcon build --base-paths src src/geoprim/msg_defs": "needs a system ROS",
 }
-ENDLESS = ("geoprim_ros.nodes.pipeline", "geoprim_ros.nodes.bag_recorder")
+ENDLESS = tuple(
+    f"geoprim_ros.nodes.{name}" for name in ("pipeline", "lifecycle_detector", "bag_recorder")
+)
 
 
 @pytest.fixture(scope="module")
