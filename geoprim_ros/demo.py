@@ -103,15 +103,16 @@ class DemoPlayer(BagPlayer):
 
 
 def graph_arguments(scenario: Scenario, lossless: bool) -> list[str]:
-    """Return the ROS arguments of the graph: the scenario's file, and reliable images on demand.
+    """Return the ROS arguments of the graph: the scenario's file, and deep queues on demand.
 
-    A camera's images are read best effort with depth 1, and a late node drops; a replay on a busy
-    machine shall lose nothing.
+    A stage reads with depth 1, images best effort, and drops what it is late for; a replay on a
+    busy machine shall lose nothing.
     """
     words = ["--ros-args", "--params-file", scenario.config]
     if lossless:
-        start = "qos_overrides./image.subscription."
-        words += ["-p", f"{start}reliability:=reliable", "-p", f"{start}depth:={LOSSLESS_DEPTH}"]
+        words += ["-p", "qos_overrides./image.subscription.reliability:=reliable"]
+        for topic in ("image", "contours", "polygons"):
+            words += ["-p", f"qos_overrides./{topic}.subscription.depth:={LOSSLESS_DEPTH}"]
     return words
 
 

@@ -50,6 +50,14 @@ def result_qos(depth: int = 10) -> QoSProfile:
     )
 
 
+def stage_qos() -> QoSProfile:
+    """Return the profile for results that a stage works on: reliable, only the newest.
+
+    With a queue, a stage that is too slow would work on the oldest frame of it, and lag for ever.
+    """
+    return result_qos(1)
+
+
 def overridden(node: Node, topic: str, end: str, qos: QoSProfile) -> QoSProfile:
     """Return a profile with what the parameters `qos_overrides.TOPIC.END.POLICY` say.
 

@@ -6,7 +6,6 @@ import shlex
 import signal
 import subprocess
 import sys
-import time
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 
@@ -75,7 +74,7 @@ def test_the_commands_that_are_run_elsewhere_still_stand_there():
 
 @pytest.mark.live
 @pytest.mark.parametrize("command", [c for c in commands() if c not in ELSEWHERE])
-def test_a_command(command, desk):
+def test_a_command(command, desk, graph):
     words = shlex.split(command)
     if words[0] == ".venv/bin/python":
         words[0] = sys.executable
@@ -90,7 +89,12 @@ def test_a_command(command, desk):
         text=True,
     )
     if any(node in words for node in ENDLESS):
-        time.sleep(4.0)
+        watcher = graph.node("watcher")
+        # Not before its handlers for signals stand: a loaded machine takes a while to import.
+        graph.spin_until(
+            lambda: set(watcher.get_node_names()) - {"watcher"} or process.poll() is not None, 120.0
+        )
+        graph.spin_for(1.0)
         assert process.poll() is None, process.communicate()
         process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=120)
