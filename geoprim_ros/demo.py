@@ -103,16 +103,15 @@ class DemoPlayer(BagPlayer):
 
 
 def graph_arguments(scenario: Scenario, lossless: bool) -> list[str]:
-    """Return the ROS arguments of the graph: the scenario's file, and deep queues on demand.
+    """Return the ROS arguments of the graph: the scenario's file, and reliable images on demand.
 
-    A stage reads with depth 1, images best effort, and drops what it is late for; a replay on a
-    busy machine shall lose nothing.
+    A camera's images are read best effort with depth 1, and a late node drops; a replay on a busy
+    machine shall lose nothing.
     """
     words = ["--ros-args", "--params-file", scenario.config]
     if lossless:
-        words += ["-p", "qos_overrides./image.subscription.reliability:=reliable"]
-        for topic in ("image", "contours", "polygons"):
-            words += ["-p", f"qos_overrides./{topic}.subscription.depth:={LOSSLESS_DEPTH}"]
+        start = "qos_overrides./image.subscription."
+        words += ["-p", f"{start}reliability:=reliable", "-p", f"{start}depth:={LOSSLESS_DEPTH}"]
     return words
 
 

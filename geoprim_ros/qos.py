@@ -44,18 +44,15 @@ def sensor_qos(depth: int = 1) -> QoSProfile:
 
 
 def result_qos(depth: int = 10) -> QoSProfile:
-    """Return the profile for results: reliable, the last ten."""
+    """Return the profile for results: reliable, the last ten.
+
+    Stages read each other with it. With a depth of 1, stages in one executor overwrite what the
+    next one has not taken yet: half of the frames were lost between them on a busy machine. The
+    images, read with depth 1, are where a chain drops.
+    """
     return QoSProfile(
         depth=depth, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.RELIABLE
     )
-
-
-def stage_qos() -> QoSProfile:
-    """Return the profile for results that a stage works on: reliable, only the newest.
-
-    With a queue, a stage that is too slow would work on the oldest frame of it, and lag for ever.
-    """
-    return result_qos(1)
 
 
 def overridden(node: Node, topic: str, end: str, qos: QoSProfile) -> QoSProfile:

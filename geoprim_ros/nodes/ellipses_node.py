@@ -12,10 +12,9 @@ from geoprim_core.io.wire import from_wire
 from geoprim_ros.chain import work_once
 from geoprim_ros.debug_images import EllipseDebug
 from geoprim_ros.pairing import StampPairs
-from geoprim_ros.qos import stage_qos
 from geoprim_ros.results import ResultPublisher
 from geoprim_ros.spin import run
-from geoprim_ros.stage_node import StageNode
+from geoprim_ros.stage_node import StageNode, result_qos
 
 
 class EllipsesNode(StageNode):
@@ -31,9 +30,9 @@ class EllipsesNode(StageNode):
         self._results.connect()
         # The polygons first: contours are only sent when their reader is there.
         self.listen(
-            Polygons, "polygons", lambda m: self._on("polygons", m), stage_qos(), frame=False
+            Polygons, "polygons", lambda m: self._on("polygons", m), result_qos(), frame=False
         )
-        self.listen(Contours, "contours", lambda m: self._on("contours", m), stage_qos())
+        self.listen(Contours, "contours", lambda m: self._on("contours", m), result_qos())
 
     def paused(self) -> None:
         """Forget messages without counterpart."""

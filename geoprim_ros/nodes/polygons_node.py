@@ -11,9 +11,8 @@ from geoprim_core.ecc import DetectorParams, find_polygons
 from geoprim_core.io.wire import from_wire
 from geoprim_ros.chain import find_contours, warm_up_scene
 from geoprim_ros.conversions import core_message
-from geoprim_ros.qos import stage_qos
 from geoprim_ros.spin import run
-from geoprim_ros.stage_node import StageNode
+from geoprim_ros.stage_node import StageNode, result_qos
 
 
 class PolygonsNode(StageNode):
@@ -24,7 +23,7 @@ class PolygonsNode(StageNode):
         self._params = self.live_params(DetectorParams(), wanted=lambda n: n.startswith("polygon"))
         self.warm_up(self._work_once)
         self._polygons = self.advertise(Polygons, "polygons")
-        self.listen(Contours, "contours", self._on_contours, stage_qos())
+        self.listen(Contours, "contours", self._on_contours, result_qos())
 
     def _work_once(self) -> None:
         params = self._params.value

@@ -244,7 +244,7 @@ def test_qos_can_be_overridden(graph):
     plain = graph.add(PolygonsNode(context=graph.context, cli_args=always))
     (contours,) = [s for s in plain.subscriptions if s.topic_name == "/contours"]
     assert contours.qos_profile.reliability == rclpy.qos.ReliabilityPolicy.RELIABLE
-    assert contours.qos_profile.depth == 1
+    assert contours.qos_profile.depth == 10
 
 
 NODES = {

@@ -4,7 +4,7 @@ import doctest
 import time
 
 import pytest
-from geoprim_msgs.msg import Contours, Polygons
+from geoprim_msgs.msg import Contours
 from rcl_interfaces.msg import Log
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -12,7 +12,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from geoprim_core.errors import ParameterError
 from geoprim_ros import qos
 from geoprim_ros.nodes.edges_node import EdgesNode
-from geoprim_ros.nodes.ellipses_node import EllipsesNode
 from geoprim_ros.nodes.polygons_node import PolygonsNode
 from geoprim_ros.qos import mismatches, result_qos, sensor_qos, sentence
 
@@ -136,7 +135,13 @@ def test_a_slow_stage_serves_the_newest_frame_and_counts_the_others(graph, feed,
     """Sent in bursts while the stage works: of every burst the last frame is answered."""
     node = graph.add(EdgesNode(context=graph.context))
     feed.wait("contours")
-    node._debug.find_contours = _delayed(node._debug.find_contours)
+    work = node._debug.find_contours
+
+    def slow(*args):
+        time.sleep(0.05)
+        return work(*args)
+
+    node._debug.find_contours = slow
     feed.send(disc_message(0), "contours")
     for burst in range(4):
         for stamp in range(5):
@@ -148,43 +153,6 @@ def test_a_slow_stage_serves_the_newest_frame_and_counts_the_others(graph, feed,
     counts = node.statistics
     assert counts.frames_in + counts.dropped == 21
     assert counts.dropped == 16
-
-
-def _delayed(work):
-    def slow(*args):
-        time.sleep(0.05)
-        return work(*args)
-
-    return slow
-
-
-def test_the_stages_further_on_serve_the_newest_frame_too(graph, make_feed):
-    """Contours and polygons come faster than the ellipses are found: no queue builds up."""
-    node = graph.add(EllipsesNode(context=graph.context))
-    feed = make_feed("ellipses")
-    sent = {
-        topic: feed.node.create_publisher(kind, topic, 50)
-        for topic, kind in (("contours", Contours), ("polygons", Polygons))
-    }
-    graph.spin_until(lambda: all(p.get_subscription_count() for p in sent.values()))
-    graph.spin_for(0.3)
-    node._debug.find_ellipses = _delayed(node._debug.find_ellipses)
-
-    def send(stamp):
-        for topic, kind in (("contours", Contours), ("polygons", Polygons)):
-            message = kind(offsets=[0], image_width=20, image_height=10)
-            message.header.stamp.nanosec = stamp
-            sent[topic].publish(message)
-
-    send(1)
-    graph.spin_until(lambda: len(feed.got["ellipses"]) == 1)
-    for burst in range(3):
-        for stamp in range(5):
-            send(10 * burst + stamp + 11)
-        graph.spin_until(lambda n=burst: len(feed.got["ellipses"]) == n + 2)
-        graph.spin_for(0.2)
-    assert [m.header.stamp.nanosec for m in feed.got["ellipses"]] == [1, 15, 25, 35]
-    assert (node.statistics.frames_in, node.statistics.dropped) == (4, 12)
 
 
 def test_examples_in_the_documentation_run():
