@@ -11,6 +11,7 @@ NODES = [
     "polygons_node",
     "ellipses_node",
     "detector_node",
+    "lifecycle_detector",
     "overlay_node",
     "pipeline",
     "bag_player",

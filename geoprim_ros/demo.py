@@ -32,6 +32,7 @@ from geoprim_ros.spin import in_rclpy
 from geoprim_ros.stage_node import result_qos
 
 RECORDED = ("contours", "polygons", "ellipses", "detections", "ground_truth")
+STAGE_NODES = ("edges_node", "polygons_node", "ellipses_node")
 LOSSLESS_DEPTH = 100
 _START_LIMIT_S = 60.0
 _ANSWER_LIMIT_S = 15.0
@@ -75,6 +76,11 @@ class DemoPlayer(BagPlayer):
         """Tell whether the recorder has met the publisher of every topic that it keeps."""
         met = [v for k, v in self._recorder.items() if k.startswith("publishers of")]
         return len(met) == len(RECORDED) and "0" not in met
+
+    def graph_is_active(self) -> bool:
+        """Tell whether every stage has heard of its listeners and reads its inputs."""
+        told = self.scenario.diagnostics if self.scenario is not None else {}
+        return all(told.get(node, {}).get("state") == "active" for node in STAGE_NODES)
 
     def _answer(self, message: Any) -> None:
         stamp = stamp_of(message)
@@ -144,7 +150,11 @@ def wait_for_graph(
 ) -> None:
     """Wait until the graph reads images and the recorder all results; raise where that fails."""
     end = time.monotonic() + _START_LIMIT_S
-    while player.waiting_for(1) or (recorded and not player.recorder_is_ready()):
+    while (
+        player.waiting_for(1)
+        or not player.graph_is_active()
+        or (recorded and not player.recorder_is_ready())
+    ):
         if graph.poll() is not None:
             raise BagError("the graph did not start; its reason stands above")
         if time.monotonic() > end:

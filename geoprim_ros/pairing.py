@@ -33,6 +33,10 @@ class StampPairs:
         self.unpaired = 0
         self._waiting: OrderedDict[int, dict[str, Any]] = OrderedDict()
 
+    def clear(self) -> None:
+        """Forget what waits; it is not counted, as nobody waits for it any more."""
+        self._waiting.clear()
+
     def add(self, topic: str, message: Any) -> dict[str, Any] | None:
         """Keep a message; return topic -> message when it completes the set of its stamp."""
         stamp = stamp_of(message)

@@ -14,7 +14,7 @@ from geoprim_core.applications.sorting import OTHER, PLANE_DISTANCE, ClassParams
 from geoprim_core.errors import ParameterError
 from geoprim_core.io.camera_message import sort_objects
 from geoprim_core.types import Detections, EllipseDetections
-from geoprim_ros.parameters import declare
+from geoprim_ros.parameters import declare, describe
 
 _LABELS = "names of the classes, in the order in which they are tried; fields under LABEL."
 _FIELDS = {o.name: o for o in ClassParams.options()}
@@ -42,7 +42,7 @@ class LiveSorting:
     """A sorting task that follows the ROS parameters of a node, replaced as a whole.
 
     Labels that are added later get their fields declared with the values that a parameter file
-    gave them, or with the defaults.
+    gave them, or with the defaults; those of a label that goes are kept for when it comes back.
 
     Parameters
     ----------
@@ -63,6 +63,7 @@ class LiveSorting:
         except InvalidParameterTypeException as error:
             raise ParameterError("labels", "a list of names", str(error)) from None
         self._values: dict[str, Any] = {"labels": list(labels)}
+        self._left: dict[str, Any] = {}  # fields of labels that are gone for now
         for option in (OTHER, PLANE_DISTANCE):
             self._values[option.name] = declare(node, option.name, option, option.default)
         self._task(self._values)  # refuses labels that are no names before they are declared
@@ -89,6 +90,7 @@ class LiveSorting:
         changes = self.changes(parameters)
         if changes:
             self._values.update(changes)
+            self._undeclare_fields()
             self._declare_fields()
             self.value = self._task(self._values)
 
@@ -101,8 +103,19 @@ class LiveSorting:
         for label in self._values["labels"]:
             for field, option in _FIELDS.items():
                 name = f"{label}.{field}"
-                if name not in self._values:
+                if name in self._left:
+                    kept, known = self._left.pop(name), describe(option)
+                    self._node.declare_parameter(name, kept, known, ignore_override=True)
+                    self._values[name] = kept
+                elif name not in self._values:
                     self._values[name] = declare(self._node, name, option, option.default)
+
+    def _undeclare_fields(self) -> None:
+        """Take the fields of labels that are gone away; they come back with the label."""
+        for name in [n for n in self._values if "." in n]:
+            if name.rpartition(".")[0] not in self._values["labels"]:
+                self._left[name] = self._values.pop(name)
+                self._node.undeclare_parameter(name)
 
     @staticmethod
     def _task(values: Mapping[str, Any]) -> SortingTask:

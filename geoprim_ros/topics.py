@@ -16,6 +16,12 @@ class Topic(NamedTuple):
 
 TOPICS = (
     Topic("image", "sensor_msgs/Image", "camera or `bag_player`", "the input"),
+    Topic(
+        "image/compressed",
+        "sensor_msgs/CompressedImage",
+        "camera",
+        "the input with `image_transport: compressed`",
+    ),
     Topic("camera_info", "sensor_msgs/CameraInfo", "camera or `bag_player`", "for sizes in metres"),
     Topic("contours", "geoprim_msgs/Contours", "`edges_node`, `detector_node`", "edge contours"),
     Topic(
@@ -34,5 +40,13 @@ TOPICS = (
         "labelled objects",
     ),
     Topic("overlay", "sensor_msgs/Image", "`overlay_node`", "the image with the results drawn"),
+    Topic("debug/edges", "sensor_msgs/Image", "`edges_node`, `detector_node`", "edge map"),
+    Topic("debug/arcs", "sensor_msgs/Image", "`ellipses_node`, `detector_node`", "smooth arcs"),
+    Topic(
+        "debug/hypotheses",
+        "sensor_msgs/Image",
+        "`ellipses_node`, `detector_node`",
+        "hypotheses with their saliency",
+    ),
     Topic("/diagnostics", "diagnostic_msgs/DiagnosticArray", "every stage", "counts and times"),
 )

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from geoprim_core import _check
-from geoprim_core._check import AnyArray, FloatArray, IntArray
-from geoprim_core.ecc import DetectionTrace, DetectorParams, trace_detection
+from geoprim_core._check import AnyArray, BoolArray, FloatArray, IntArray
+from geoprim_core.ecc import DetectorParams, trace_detection
 from geoprim_core.ecc.refined import RefinedTrace
 from geoprim_core.ecc.schemes import SchemeTrace
 from geoprim_core.io.drawing import draw_overlay
@@ -87,23 +87,39 @@ def explain_detection(image: AnyArray, params: DetectorParams | None = None) -> 
     """
     image = _check.image(image)
     trace = trace_detection(image, params)
-    hypotheses = tuple(sorted(_hypotheses(trace), key=lambda h: (bool(h.reason), -h.score)))
-    edges = np.where(trace.edges.edges[:, :, None], np.uint8(255), np.uint8(0))
-    positions, labels = _arc_points(trace)
+    hypotheses = judged_hypotheses(trace.ecc)
     pictures = {
-        "edges": np.repeat(edges, 3, axis=2),
+        "edges": np.repeat(draw_edges(trace.edges.edges)[:, :, None], 3, axis=2),
         "contours": _coloured(image, trace.contours.points, _labels(trace.contours.offsets)),
-        "arcs": _coloured(image, positions, labels),
-        "hypotheses": draw_overlay(image, ellipses=_as_detections(hypotheses)),
+        "arcs": draw_arcs(image, trace.ecc),
+        "hypotheses": draw_hypotheses(image, hypotheses),
         "detections": draw_overlay(image, ellipses=trace.detections),
     }
     return Explanation(pictures, hypotheses, trace.detections)
 
 
-def _hypotheses(trace: DetectionTrace) -> Iterator[Hypothesis]:
-    if isinstance(trace.ecc, SchemeTrace):
-        return _scheme_hypotheses(trace.ecc)
-    return _refined_hypotheses(trace.ecc)
+def draw_edges(edges: BoolArray) -> AnyArray:
+    """Return the (H, W) uint8 picture of an edge map, white on black."""
+    return np.where(edges, np.uint8(255), np.uint8(0))
+
+
+def draw_arcs(image: AnyArray, trace: SchemeTrace | RefinedTrace) -> AnyArray:
+    """Return the dimmed (H, W, 3) image with every smooth arc in a colour of its own."""
+    return _coloured(image, *_arc_points(trace))
+
+
+def draw_hypotheses(image: AnyArray, hypotheses: tuple[Hypothesis, ...]) -> AnyArray:
+    """Return the (H, W, 3) image with every hypothesis and its saliency."""
+    return draw_overlay(image, ellipses=_as_detections(hypotheses))
+
+
+def judged_hypotheses(trace: SchemeTrace | RefinedTrace) -> tuple[Hypothesis, ...]:
+    """Return the hypotheses that were judged: the reported ones first, each part best first."""
+    if isinstance(trace, SchemeTrace):
+        found = _scheme_hypotheses(trace)
+    else:
+        found = _refined_hypotheses(trace)
+    return tuple(sorted(found, key=lambda h: (bool(h.reason), -h.score)))
 
 
 def _refined_hypotheses(trace: RefinedTrace) -> Iterator[Hypothesis]:
@@ -121,12 +137,11 @@ def _scheme_hypotheses(trace: SchemeTrace) -> Iterator[Hypothesis]:
         yield Hypothesis(x, y, major, minor, angle, net[k], coverage[k], reason)
 
 
-def _arc_points(trace: DetectionTrace) -> tuple[FloatArray, IntArray]:
+def _arc_points(trace: SchemeTrace | RefinedTrace) -> tuple[FloatArray, IntArray]:
     """Return the points of all smooth arcs and the arc of each."""
-    if isinstance(trace.ecc, SchemeTrace):
-        return trace.ecc.arcs.points, _labels(trace.ecc.arcs.offsets)
-    arcs = trace.ecc.arcs
-    return trace.ecc.edges.points[arcs.indices], _labels(arcs.offsets)
+    if isinstance(trace, SchemeTrace):
+        return trace.arcs.points, _labels(trace.arcs.offsets)
+    return trace.edges.points[trace.arcs.indices], _labels(trace.arcs.offsets)
 
 
 def _labels(offsets: IntArray) -> IntArray:

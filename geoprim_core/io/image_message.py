@@ -29,11 +29,16 @@ _ENCODINGS: dict[str, tuple[str, int, int | None]] = {
     "rgb8": ("u1", 3, cv2.COLOR_RGB2BGR),
     "bgra8": ("u1", 4, cv2.COLOR_BGRA2BGR),
     "rgba8": ("u1", 4, cv2.COLOR_RGBA2BGR),
-    "bayer_rggb8": ("u1", 1, cv2.COLOR_BayerBG2BGR),
-    "bayer_bggr8": ("u1", 1, cv2.COLOR_BayerRG2BGR),
-    "bayer_gbrg8": ("u1", 1, cv2.COLOR_BayerGR2BGR),
-    "bayer_grbg8": ("u1", 1, cv2.COLOR_BayerGB2BGR),
 }
+_BAYER = {
+    "rggb": cv2.COLOR_BayerBG2BGR,
+    "bggr": cv2.COLOR_BayerRG2BGR,
+    "gbrg": cv2.COLOR_BayerGR2BGR,
+    "grbg": cv2.COLOR_BayerGB2BGR,
+}
+for _pattern, _conversion in _BAYER.items():
+    _ENCODINGS[f"bayer_{_pattern}8"] = ("u1", 1, _conversion)
+    _ENCODINGS[f"bayer_{_pattern}16"] = ("u2", 1, _conversion)
 
 ENCODINGS = tuple(_ENCODINGS)
 """The encodings of sensor_msgs/msg/Image that can be read."""
@@ -61,7 +66,11 @@ def image_from_message(message: Any) -> AnyArray:
     -------
     (H, W) or (H, W, 3) array
         Gray, or colour in BGR order; uint8, uint16, float32 or float64 in native byte order.
-        A view of the message's data where nothing has to be converted (gray and BGR).
+        A view of the message's data where nothing has to be converted (gray and BGR in native
+        byte order). 16-bit and float pixels keep their values: no range is assumed here, as a
+        camera of 10 or 12 bits fills only a part of 16. The edge stage stretches them, so that
+        the least becomes 0 and the largest 255, frame by frame, and refuses NaN and infinity:
+        a depth image has to have its holes filled, with 0 for example.
 
     Raises
     ------
@@ -80,9 +89,8 @@ def image_from_message(message: Any) -> AnyArray:
     array = _rows(message, np.dtype(kind), channels).astype(kind, copy=False)
     if conversion is None:
         return array
-    if str(message.encoding).startswith("bayer") and min(array.shape) < 3:
-        got = f"{array.shape[1]} x {array.shape[0]}"
-        raise ImageError("image", "at least 3 x 3 pixels to demosaic", got)
+    if str(message.encoding).startswith("bayer"):
+        return _demosaiced(array, conversion)
     converted: AnyArray = cv2.cvtColor(np.ascontiguousarray(array), conversion)
     return converted
 
@@ -138,6 +146,14 @@ def _encoding(name: str) -> tuple[str, int, int | None]:
     return _ENCODINGS[name]
 
 
+def _demosaiced(mosaic: AnyArray, conversion: int) -> AnyArray:
+    if min(mosaic.shape) < 3:
+        got = f"{mosaic.shape[1]} x {mosaic.shape[0]}"
+        raise ImageError("image", "at least 3 x 3 pixels to demosaic", got)
+    colours: AnyArray = cv2.cvtColor(np.ascontiguousarray(mosaic), conversion)
+    return colours
+
+
 def _rows(message: Any, kind: np.dtype[Any], channels: int) -> AnyArray:
     """Return the pixels as a view of the message's data."""
     height, width, step = int(message.height), int(message.width), int(message.step)
@@ -159,15 +175,31 @@ def _rows(message: Any, kind: np.dtype[Any], channels: int) -> AnyArray:
 
 
 def _decompressed(message: Any) -> AnyArray:
-    """Return the image of a CompressedImage, gray or BGR."""
+    """Return the image of a CompressedImage, gray or BGR.
+
+    `format` is "jpeg" or as image_transport writes it, "rgb8; jpeg compressed bgr8": colours are
+    stored as BGR whatever they were, and a Bayer mosaic as it is.
+    """
     name = str(message.format)
     data = np.frombuffer(message.data, np.uint8)
     image = None
     if len(data) and "compressedDepth" not in name:
-        image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
+        image = _decoded(data)
     if image is None:
         got = f"{len(data)} bytes of format {name!r}"
         raise ImageError("data", "a compressed image that OpenCV decodes (JPEG, PNG)", got)
+    encoding = name.partition(";")[0].strip()
+    if encoding.startswith("bayer_") and image.ndim == 2 and encoding in _ENCODINGS:
+        return _demosaiced(image, _ENCODINGS[encoding][2] or 0)
     alpha = image.ndim == 3 and image.shape[2] == 4
     decoded: AnyArray = cv2.cvtColor(image, cv2.COLOR_BGRA2BGR) if alpha else image
     return decoded
+
+
+def _decoded(data: AnyArray) -> AnyArray | None:
+    """Return what OpenCV makes of a file's bytes; None where it cannot be read."""
+    try:
+        image: AnyArray | None = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
+    except cv2.error:  # for one that claims more pixels than OpenCV takes
+        return None
+    return image

@@ -6,14 +6,15 @@ from collections.abc import Sequence
 from typing import Any
 
 from geoprim_msgs.msg import Contours
-from sensor_msgs.msg import Image
 
 from geoprim_core.ecc import DetectorParams
 from geoprim_core.io.image_message import image_from_message
 from geoprim_ros.chain import find_contours, warm_up_scene
 from geoprim_ros.conversions import core_message
+from geoprim_ros.debug_images import EdgeDebug
+from geoprim_ros.image_input import ImageInput
 from geoprim_ros.spin import run
-from geoprim_ros.stage_node import StageNode, sensor_qos
+from geoprim_ros.stage_node import StageNode
 
 
 class EdgesNode(StageNode):
@@ -24,11 +25,14 @@ class EdgesNode(StageNode):
         self._params = self.live_params(DetectorParams(), wanted=lambda n: n.startswith("edges."))
         self.warm_up(lambda: find_contours(warm_up_scene(), self._params.value))
         self._contours = self.advertise(Contours, "contours")
-        self.listen(Image, "image", self._on_image, sensor_qos())
+        self._debug = EdgeDebug(self)
+        ImageInput(self).connect(self._on_image)
 
     def _on_image(self, message: Any) -> None:
-        contours = find_contours(image_from_message(message), self._params.value)
-        self._contours.publish(core_message(contours, message))
+        image = image_from_message(message)
+        contours = self._debug.find_contours(image, self._params.value, message)
+        if self.wanted(self._contours):
+            self._contours.publish(core_message(contours, message))
         self.statistics.frames_out += 1
 
 

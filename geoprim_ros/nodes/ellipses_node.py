@@ -6,15 +6,15 @@ from collections.abc import Sequence
 from typing import Any
 
 from geoprim_msgs.msg import Contours, Polygons
-from sensor_msgs.msg import CameraInfo
 
-from geoprim_core.ecc import DetectorParams, find_polygons
+from geoprim_core.ecc import DetectorParams
 from geoprim_core.io.wire import from_wire
-from geoprim_ros.chain import find_contours, find_ellipses, warm_up_scene
+from geoprim_ros.chain import work_once
+from geoprim_ros.debug_images import EllipseDebug
 from geoprim_ros.pairing import StampPairs
 from geoprim_ros.results import ResultPublisher
 from geoprim_ros.spin import run
-from geoprim_ros.stage_node import StageNode, result_qos, sensor_qos
+from geoprim_ros.stage_node import StageNode, result_qos
 
 
 class EllipsesNode(StageNode):
@@ -24,20 +24,20 @@ class EllipsesNode(StageNode):
         super().__init__("ellipses_node", **options)
         self._params = self.live_params(DetectorParams(), wanted=lambda n: n.startswith("ecc."))
         self._pairs = StampPairs(("contours", "polygons"))
-        self.warm_up(self._work_once)
         self._results = ResultPublisher(self)
-        self.listen(
-            CameraInfo, "camera_info", self._results.cameras.add, sensor_qos(10), frame=False
-        )
-        self.listen(Contours, "contours", lambda m: self._on("contours", m), result_qos())
+        self.warm_up(lambda: work_once(self._params.value))
+        self._debug = EllipseDebug(self)
+        self._results.connect()
+        # The polygons first: contours are only sent when their reader is there.
         self.listen(
             Polygons, "polygons", lambda m: self._on("polygons", m), result_qos(), frame=False
         )
+        self.listen(Contours, "contours", lambda m: self._on("contours", m), result_qos())
 
-    def _work_once(self) -> None:
-        params = self._params.value
-        contours = find_contours(warm_up_scene(), params)
-        find_ellipses(contours, find_polygons(contours, params), params)
+    def paused(self) -> None:
+        """Forget messages without counterpart."""
+        self._pairs.clear()
+        self._results.clear()
 
     def _on(self, topic: str, message: Any) -> None:
         pair = self._pairs.add(topic, message)
@@ -46,8 +46,10 @@ class EllipsesNode(StageNode):
             return
         contours: Any = from_wire(pair["contours"])
         polygons: Any = from_wire(pair["polygons"])
-        found = find_ellipses(contours, polygons, self._params.value)
-        self._results.publish(found, pair["contours"])
+        source = pair["contours"]
+        found = self._debug.find_ellipses(contours, polygons, self._params.value, source)
+        self.statistics.frames_out += 1
+        self._results.publish(found, source)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -14,9 +14,10 @@ from geoprim_core.io.image_message import image_from_message
 from geoprim_core.io.wire import from_wire
 from geoprim_core.params import Params, option
 from geoprim_ros.conversions import image_to_message
+from geoprim_ros.image_input import ImageInput
 from geoprim_ros.pairing import StampPairs
 from geoprim_ros.spin import run
-from geoprim_ros.stage_node import StageNode, result_qos, sensor_qos
+from geoprim_ros.stage_node import StageNode, result_qos
 
 # Results come later than their image, so the image waits for them.
 _IMAGES_KEPT = 20
@@ -39,16 +40,18 @@ class OverlayNode(StageNode):
         self._params = self.live_params(OverlayParams())
         self._pairs = StampPairs(("image", "ellipses", "detections"), _IMAGES_KEPT)
         self._overlay = self.advertise(Image, "overlay")
-        self.listen(Image, "image", lambda m: self._on("image", m), sensor_qos(_IMAGES_KEPT))
         for kind, topic in ((EllipseDetections, "ellipses"), (Detections, "detections")):
             self.listen(kind, topic, self._receiver(topic), result_qos(), frame=False)
+        ImageInput(self).connect(self._receiver("image"), _IMAGES_KEPT)
+
+    def paused(self) -> None:
+        """Let go of the images that wait for their results."""
+        self._pairs.clear()
 
     def _receiver(self, topic: str) -> Any:
         return lambda message: self._on(topic, message)
 
     def _on(self, topic: str, message: Any) -> None:
-        if not self._overlay.get_subscription_count():
-            return
         pair = self._pairs.add(topic, message)
         self.statistics.unpaired = self._pairs.unpaired
         if pair is not None:

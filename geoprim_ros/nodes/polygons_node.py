@@ -33,9 +33,11 @@ class PolygonsNode(StageNode):
         params = self._params.value
         contours: Any = from_wire(message)
         polygons = find_polygons(contours, params)
-        self._polygons.publish(
-            core_message(polygons, message, contours=contours, method=params.polygon_method)
-        )
+        method = params.polygon_method
+        if self.wanted(self._polygons):
+            self._polygons.publish(
+                core_message(polygons, message, contours=contours, method=method)
+            )
         self.statistics.frames_out += 1
 
 

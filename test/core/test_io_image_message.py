@@ -1,5 +1,7 @@
 """Images in and out of messages: every encoding, padding, byte order, and what is refused."""
 
+import struct
+import zlib
 from types import SimpleNamespace
 
 import cv2
@@ -102,9 +104,11 @@ def test_gray_and_bgr_are_views(encoding):
 def test_a_plain_colour_survives_the_bayer_pattern(encoding):
     """Where one pattern were taken for another, the channels would be swapped or mixed."""
     bgr = {"r": 200, "g": 120, "b": 40}
-    tile = np.array([bgr[c] for c in encoding.removeprefix("bayer_")[:4]], np.uint8).reshape(2, 2)
+    kind = np.uint16 if encoding.endswith("16") else np.uint8
+    tile = np.array([bgr[c] for c in encoding.removeprefix("bayer_")[:4]], kind).reshape(2, 2)
     image = image_from_message(message(np.tile(tile, (8, 8)), encoding))
     assert image.shape == (16, 16, 3)
+    assert image.dtype == kind
     assert (image == (40, 120, 200)).all()
 
 
@@ -169,7 +173,34 @@ def test_compressed_images_are_decoded():
         np.testing.assert_array_equal(image_from_message(sent), expected)
 
 
-@pytest.mark.parametrize("data", [b"", b"not a picture", b"\x89PNG\r\n\x1a\n"])
+def test_what_image_transport_writes_as_format_is_understood():
+    """Colours are stored as BGR whatever they were; a mosaic is stored as it is."""
+    bgr = random_image("bgr8", 9, 8)
+    data = cv2.imencode(".png", bgr)[1].tobytes()
+    sent = SimpleNamespace(format="rgb8; png compressed bgr8", data=data)
+    np.testing.assert_array_equal(image_from_message(sent), bgr)
+    mosaic = random_image("mono8", 8, 10)
+    data = cv2.imencode(".png", mosaic)[1].tobytes()
+    sent = SimpleNamespace(format="bayer_grbg8; png compressed ", data=data)
+    raw = image_from_message(message(mosaic, "bayer_grbg8"))
+    np.testing.assert_array_equal(image_from_message(sent), raw)
+
+
+def test_the_bits_of_16_bit_images_are_kept():
+    """A camera of 12 bits in mono16: no range is assumed when the message is read."""
+    image = random_image("mono16", 4, 5) >> 4
+    np.testing.assert_array_equal(image_from_message(message(image, "mono16", big=True)), image)
+
+
+def _huge_png():
+    header = struct.pack(">IIBBBBB", 2**31 - 1, 2**31 - 1, 8, 2, 0, 0, 0)
+    chunks = [(b"IHDR", header), (b"IDAT", b""), (b"IEND", b"")]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(d)) + t + d + struct.pack(">I", zlib.crc32(t + d)) for t, d in chunks
+    )
+
+
+@pytest.mark.parametrize("data", [b"", b"not a picture", b"\x89PNG\r\n\x1a\n", _huge_png()])
 def test_compressed_images_that_cannot_be_decoded_are_refused(data):
     with pytest.raises(ImageError, match="JPEG, PNG"):
         image_from_message(SimpleNamespace(format="png", data=data))

@@ -18,13 +18,22 @@ os.environ.setdefault("ROS_LOG_DIR", tempfile.mkdtemp(prefix="geoprim_ros_log_")
 rclpy = pytest.importorskip("rclpy")
 pytest.importorskip("geoprim_msgs.msg")
 
+from geoprim_msgs.msg import Contours, Detections, EllipseDetections, Polygons  # noqa: E402
 from rclpy.executors import SingleThreadedExecutor  # noqa: E402
+from rclpy.qos import QoSProfile  # noqa: E402
+from sensor_msgs.msg import CameraInfo, Image  # noqa: E402
 
 import geoprim_ros  # noqa: E402, F401
 from geoprim_core.io.image_message import image_record  # noqa: E402
 from geoprim_core.synthetic import disc_image  # noqa: E402
 from geoprim_ros.conversions import to_message  # noqa: E402
 
+RESULTS = {
+    "contours": Contours,
+    "polygons": Polygons,
+    "ellipses": EllipseDetections,
+    "detections": Detections,
+}
 DISC = {"centre": (161.3, 118.7), "radius": 60.0}
 
 
@@ -87,6 +96,68 @@ class Graph:
             node.destroy_node()
         self.executor.shutdown(timeout_sec=1.0)
         self.context.try_shutdown()
+
+
+class Feed:
+    """A source of images and a collector of results."""
+
+    def __init__(self, graph, topics=tuple(RESULTS), name="feed"):
+        self.graph = graph
+        self.node = graph.node(name)
+        self.images = self.node.create_publisher(Image, "image", QoSProfile(depth=10))
+        self.infos = self.node.create_publisher(CameraInfo, "camera_info", QoSProfile(depth=10))
+        self.got = {topic: self.collect(topic) for topic in topics}
+
+    def collect(self, topic):
+        return self.graph.collect(self.node, RESULTS[topic], topic)
+
+    def wait(self, *topics):
+        """Wait until the image has a reader and the topics have writers."""
+        ready = self.images.get_subscription_count
+        count = self.node.count_publishers
+        # A process may have to compile its kernels first.
+        self.graph.spin_until(lambda: ready() and all(count(t) for t in topics), 120.0)
+        self.graph.spin_for(0.3)
+
+    def send(self, message, topic="detections"):
+        """Publish an image and wait for one more result."""
+        before = len(self.got[topic])
+        self.images.publish(message)
+        self.graph.spin_until(lambda: len(self.got[topic]) > before, what=f"a result on {topic}")
+        return self.got[topic][-1]
+
+    def ask(self, kind, service, request):
+        """Call a service and return its answer."""
+        client = self.node.create_client(kind, service)
+        self.graph.spin_until(client.service_is_ready, 60.0, f"service {service}")
+        future = client.call_async(request)
+        self.graph.spin_until(future.done, 60.0, f"an answer of {service}")
+        return future.result()
+
+
+def value_of(reports, name, key):
+    """Return what a node told last under a key on /diagnostics, or None."""
+    for report in reversed(reports):
+        for status in report.status:
+            if status.name.startswith(name):
+                return next((v.value for v in status.values if v.key == key), None)
+    return None
+
+
+@pytest.fixture
+def told():
+    return value_of
+
+
+@pytest.fixture
+def feed(graph):
+    return Feed(graph)
+
+
+@pytest.fixture
+def make_feed(graph):
+    """Make a feed that listens to some of the results only."""
+    return lambda *topics, **options: Feed(graph, topics, **options)
 
 
 @pytest.fixture

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geoprim_msgs.msg import Contours, Detections, EllipseDetections, Polygons
+from rcl_interfaces.msg import Log
+from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import CameraInfo, Image
 
@@ -31,37 +32,6 @@ RESULTS = {
     "ellipses": EllipseDetections,
     "detections": Detections,
 }
-
-
-class Feed:
-    """A source of images and a collector of results."""
-
-    def __init__(self, graph):
-        self.graph = graph
-        self.node = graph.node("feed")
-        self.images = self.node.create_publisher(Image, "image", QoSProfile(depth=10))
-        self.infos = self.node.create_publisher(CameraInfo, "camera_info", QoSProfile(depth=10))
-        self.got = {t: graph.collect(self.node, kind, t) for t, kind in RESULTS.items()}
-
-    def wait(self, *topics):
-        """Wait until the image has a reader and the topics have writers."""
-        ready = self.images.get_subscription_count
-        count = self.node.count_publishers
-        # A process may have to compile its kernels first.
-        self.graph.spin_until(lambda: ready() and all(count(t) for t in topics), 120.0)
-        self.graph.spin_for(0.3)
-
-    def send(self, message, topic="detections"):
-        """Publish an image and wait for one more result."""
-        before = len(self.got[topic])
-        self.images.publish(message)
-        self.graph.spin_until(lambda: len(self.got[topic]) > before, what=f"a result on {topic}")
-        return self.got[topic][-1]
-
-
-@pytest.fixture
-def feed(graph):
-    return Feed(graph)
 
 
 def test_three_stage_process_finds_the_disc(graph, feed, disc_message, disc):
@@ -277,12 +247,12 @@ def test_overlay_draws_only_while_somebody_looks(graph, feed, disc_message, disc
     graph.add(DetectorNode(context=graph.context))
     overlay = graph.add(OverlayNode(context=graph.context))
     feed.wait("detections", "overlay")
-    graph.spin_until(lambda: feed.images.get_subscription_count() == 2)
     feed.send(disc_message(1))
     graph.spin_for(0.2)
-    assert overlay.statistics.frames_out == 0
+    assert feed.images.get_subscription_count() == 1
+    assert overlay.statistics.frames_in == 0
     pictures = graph.collect(feed.node, Image, "overlay")
-    graph.spin_until(lambda: overlay._overlay.get_subscription_count())
+    graph.spin_until(lambda: feed.images.get_subscription_count() == 2)
     graph.spin_for(0.3)
     sent = disc_message(2)
     feed.send(sent)
@@ -301,3 +271,53 @@ def test_core_values_come_back_from_the_messages(graph, feed, disc_message):
     found = from_wire(feed.send(message, "ellipses"))
     direct = detect_ellipses(image_from_message(message))
     np.testing.assert_array_equal(found.ellipses.array(), direct.ellipses.array())
+
+
+def test_diagnostics_of_a_process_tell_everything(graph, make_feed, disc_message, told):
+    graph.start("geoprim_ros.nodes.detector_node")
+    feed = make_feed("ellipses")
+    reports = graph.collect(feed.node, DiagnosticArray, "/diagnostics")
+    warnings = graph.collect(feed.node, Log, "/rosout", depth=100)
+    feed.wait("ellipses")
+    for stamp in range(1, 6):
+        feed.send(disc_message(stamp), "ellipses")
+    change = Parameter("edges.sigma", value=1.5).to_parameter_msg()
+    answer = feed.ask(
+        SetParameters, "detector_node/set_parameters", SetParameters.Request(parameters=[change])
+    )
+    assert answer.results[0].successful
+    for stamp in range(6, 26):
+        feed.images.publish(disc_message(stamp, encoding="yuv_strange"))
+        graph.spin_for(0.02)
+    graph.spin_until(lambda: int(told(reports, "detector_node", "bad") or 0) > 10)
+
+    def value(key):
+        return told(reports, "detector_node", key)
+
+    graph.spin_until(lambda: int(value("frames in")) + int(value("dropped")) == 25)
+    assert value("state") == "active"
+    assert value("frames out") == "5"
+    assert int(value("bad")) == int(value("frames in")) - 5
+    assert "encoding: expected one of" in value("last reason")
+    for name in ("stage time", "hop latency"):
+        assert 0 < float(value(f"{name} p50 [ms]")) <= float(value(f"{name} p95 [ms]"))
+    assert float(value("kernel warm-up [s]")) > 0
+    assert value("parameter revision") == "1"
+    reasons = [m.msg for m in warnings if "yuv_strange" in m.msg]
+    assert len(reasons) == 1, "a series of bad frames is one warning in five seconds"
+    assert reasons[0].startswith("frame 0.0000000")
+
+
+def test_a_warning_level_stands_only_while_frames_are_bad(graph, feed, disc_message):
+    node = graph.add(EdgesNode(context=graph.context))
+    reports = graph.collect(feed.node, DiagnosticArray, "/diagnostics")
+    feed.wait("contours")
+
+    def level():
+        return [s.level for r in reports for s in r.status if s.name.startswith("edges_node")][-1:]
+
+    graph.spin_until(lambda: level() == [DiagnosticStatus.OK])
+    feed.images.publish(disc_message(1, encoding="yuv_strange"))
+    graph.spin_until(lambda: level() == [DiagnosticStatus.WARN])
+    graph.spin_until(lambda: level() == [DiagnosticStatus.OK])
+    assert node.statistics.bad == 1

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import rclpy
 import yaml
@@ -10,13 +11,17 @@ from rcl_interfaces.srv import DescribeParameters, SetParameters, SetParametersA
 from rclpy.parameter import Parameter
 
 from geoprim_core.applications.sorting import PLANE_DISTANCE, SortingParams
-from geoprim_core.ecc import DetectorParams
-from geoprim_core.errors import ParameterError
+from geoprim_core.ecc import DetectorParams, detect_ellipses
+from geoprim_core.errors import InputError, ParameterError
+from geoprim_core.io.image_message import image_from_message
+from geoprim_core.io.wire import from_wire
+from geoprim_ros.chain import work_once
 from geoprim_ros.nodes.detector_node import DetectorNode
 from geoprim_ros.nodes.edges_node import EdgesNode
 from geoprim_ros.nodes.ellipses_node import EllipsesNode
 from geoprim_ros.nodes.overlay_node import OverlayNode
 from geoprim_ros.nodes.polygons_node import PolygonsNode
+from geoprim_ros.param_dump import as_yaml, parameters_of
 
 CONFIG = Path(__file__).parents[2] / "config"
 SCENARIOS = sorted(CONFIG.glob("*.yaml"))
@@ -67,7 +72,7 @@ def test_the_stage_nodes_have_the_parameters_of_the_detector_between_them(graph)
         return {
             n
             for n in node._parameters
-            if not n.startswith(("qos_overrides", "use_sim", "start_type"))
+            if not n.startswith(("qos_overrides", "use_sim", "start_type", "lazy"))
         }
 
     stages = [declared(kind) for kind in (EdgesNode, PolygonsNode, EllipsesNode)]
@@ -153,6 +158,23 @@ def test_sorting_classes_change_live(graph):
     assert list(sorting.value.classes.classes) == ["lid", "ring"]
 
 
+def test_the_fields_of_a_label_go_and_come_with_it(graph):
+    words = ["--ros-args", "-p", "ring.max_length:=40.0", "-p", "labels:=[lid, ring]"]
+    node = graph.add(EllipsesNode(context=graph.context, cli_args=words))
+
+    def change(**values):
+        return node.set_parameters_atomically(_parameters(**values)).successful
+
+    assert change(ring__min_length=12.0)
+    assert change(labels=["lid"])
+    assert not node.has_parameter("ring.min_length")
+    assert change(labels=["lid", "ring"])
+    ring = node._results._sorting.value.classes.classes["ring"]
+    assert (ring.min_length, ring.max_length) == (12.0, 40.0)
+    assert node.get_parameter("ring.min_length").value == 12.0
+    assert change(ring__min_length=13.0)
+
+
 def test_there_is_a_scenario_for_each_sorting_task():
     names = {path.stem for path in SCENARIOS}
     assert {f"sorting_{n}" for n in ("cans", "coins", "produce", "ores")} <= names
@@ -211,13 +233,125 @@ def test_qos_can_be_overridden(graph):
             "--ros-args",
             "-p", "qos_overrides./image.subscription.reliability:=reliable",
             "-p", "qos_overrides./image.subscription.depth:=7",
+            "-p", "lazy:=false",
         ],
     )  # fmt: skip
     graph.add(node)
     (image,) = [s for s in node.subscriptions if s.topic_name == "/image"]
     assert image.qos_profile.reliability == rclpy.qos.ReliabilityPolicy.RELIABLE
     assert image.qos_profile.depth == 7
-    plain = graph.add(PolygonsNode(context=graph.context))
+    always = ["--ros-args", "-p", "lazy:=false"]
+    plain = graph.add(PolygonsNode(context=graph.context, cli_args=always))
     (contours,) = [s for s in plain.subscriptions if s.topic_name == "/contours"]
     assert contours.qos_profile.reliability == rclpy.qos.ReliabilityPolicy.RELIABLE
     assert contours.qos_profile.depth == 10
+
+
+NODES = {
+    kind: f"{kind.__name__}".removesuffix("Node").lower() + "_node"
+    for kind in (EdgesNode, PolygonsNode, EllipsesNode, OverlayNode, DetectorNode)
+}
+CHOICES = [(o.name, choice) for o in DetectorParams.options() for choice in o.choices]
+
+
+def _another(option, value):
+    """Return a valid value that is not the present one."""
+    if option.choices:
+        return next(c for c in option.choices if c != value) if len(option.choices) > 1 else value
+    if option.kind is bool:
+        return not value
+    low = 0 if option.low is None else option.low
+    high = 100 if option.high is None else option.high
+    middle = option.kind(low + 0.75 * (value - low) if value > low else min(high, low + 1))
+    return middle if middle != value else option.kind(min(high, value + 1))
+
+
+@pytest.mark.parametrize("kind", NODES)
+def test_every_parameter_changes_live(graph, kind):
+    node = graph.add(kind(context=graph.context))
+    live = node._params
+    for name, option in live.options.items():
+        value = _another(option, live.value.to_dict()[name])
+        (result,) = node.set_parameters([Parameter(name, value=value)])
+        assert result.successful, (name, value, result.reason)
+        assert live.value.to_dict()[name] == value == node.get_parameter(name).value
+    assert node.revision == len(live.options)
+
+
+@pytest.mark.parametrize("kind", NODES)
+def test_every_parameter_refuses_with_its_reason(graph, kind):
+    node = graph.add(kind(context=graph.context))
+    before = node._params.value
+    for name, option in node._params.options.items():
+        wrong = "no such thing" if option.kind is not str else 3
+        (result,) = node.set_parameters([Parameter(name, value=wrong)])
+        assert not result.successful
+        assert result.reason.startswith(f"{name}: expected {option.expectation()}, got ")
+    assert node._params.value is before
+
+
+@pytest.mark.parametrize(("name", "choice"), CHOICES)
+def test_every_method_is_switched_to_live_and_used(graph, feed, disc_message, name, choice):
+    """The next frame is worked with the method, as the core does it."""
+    params = DetectorParams.from_dict({name: choice})
+    work_once(params)  # its kernels may be new
+    node = graph.add(DetectorNode(context=graph.context))
+    feed.wait("detections")
+    feed.send(disc_message(1))
+    (result,) = node.set_parameters([Parameter(name, value=choice)])
+    assert result.successful
+    message = disc_message(2)
+    feed.send(message)
+    graph.spin_until(lambda: all(len(g) == 2 for g in feed.got.values()))
+    direct = detect_ellipses(image_from_message(message), params)
+    found = from_wire(feed.got["ellipses"][-1])
+    np.testing.assert_array_equal(found.ellipses.array(), direct.ellipses.array())
+    assert feed.got["polygons"][-1].method == params.polygon_method
+
+
+@pytest.mark.parametrize("kind", NODES)
+def test_a_dump_started_from_is_the_same_node(graph, kind, tmp_path):
+    """Changed live, dumped through the services, loaded with --params-file: dumped alike."""
+    name = f"/{NODES[kind]}"
+    words = ["-p", "qos_overrides./image.subscription.depth:=3", "-p", "lazy:=false"]
+    node = graph.add(kind(context=graph.context, cli_args=["--ros-args", *words]))
+    for option in node._params.options.values():
+        value = _another(option, node._params.value.to_dict()[option.name])
+        assert node.set_parameters([Parameter(option.name, value=value)])[0].successful
+    if node.has_parameter("labels"):
+        assert node.set_parameters([Parameter("labels", value=["can_52", "lid"])])[0].successful
+        assert node.set_parameters([Parameter("lid.unit", value="mm")])[0].successful
+    asker = graph.node("asker")
+    first = parameters_of(asker, graph.executor, name)
+    assert {n: node.get_parameter(n).value for n in first} == first
+    assert len(first) == len(node._parameters)
+    graph.executor.remove_node(node)
+    graph.nodes.remove(node)
+    node.destroy_node()
+
+    file = tmp_path / "dump.yaml"
+    file.write_text(as_yaml(name, first))
+    words = ["--ros-args", "--params-file", str(file)]
+    again = graph.add(kind(context=graph.context, cli_args=words))
+    graph.spin_for(0.3)
+    second = parameters_of(asker, graph.executor, name)
+    assert second == first
+    assert as_yaml(name, second) == file.read_text()
+    assert again._params.value == node._params.value
+
+
+def test_a_dump_is_printed_by_a_command(graph):
+    graph.add(PolygonsNode(context=graph.context))
+    process = graph.start("geoprim_ros.param_dump", "/polygons_node")
+    graph.spin_until(lambda: process.poll() is not None, 60.0)
+    out, err = process.communicate()
+    assert (process.returncode, err) == (0, "")
+    section = yaml.safe_load(out)["/polygons_node"]["ros__parameters"]
+    assert section["polygon_method"] == DetectorParams().polygon_method
+    assert section["lazy"] is True
+
+
+def test_asking_a_node_that_is_not_there_is_one_sentence(graph):
+    asker = graph.node("asker")
+    with pytest.raises(InputError, match=r"running node that answers in 0\.2 s, got '/nobody'"):
+        parameters_of(asker, graph.executor, "/nobody", 0.2)

@@ -21,7 +21,10 @@ from geoprim_ros.nodes import edges_node
 
 ROOT = Path(__file__).parents[2]
 STAMP = Path(sys.prefix, "share", "geoprim_msgs", "build_stamp")
-NODES = ("edges_node", "polygons_node", "ellipses_node", "detector_node", "overlay_node")
+NODES = (
+    "edges_node", "polygons_node", "ellipses_node", "detector_node", "overlay_node",
+    "lifecycle_detector",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -40,7 +40,9 @@ ELSEWHERE = {
     "./run test": "it runs this test",
     "colcon build --base-paths src src/geoprim/msg_defs": "needs a system ROS",
 }
-ENDLESS = ("geoprim_ros.nodes.pipeline", "geoprim_ros.nodes.bag_recorder")
+ENDLESS = tuple(
+    f"geoprim_ros.nodes.{name}" for name in ("pipeline", "lifecycle_detector", "bag_recorder")
+)
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +73,17 @@ def test_the_commands_that_are_run_elsewhere_still_stand_there():
     assert set(ELSEWHERE) <= set(commands())
 
 
+def wait_for_handlers(process):
+    """Wait until rclpy catches SIGTERM; a loaded machine takes a while to import it."""
+    status, end = Path(f"/proc/{process.pid}/status"), time.monotonic() + 120.0
+    while process.poll() is None and time.monotonic() < end:
+        caught = re.search(r"SigCgt:\s*(\w+)", status.read_text())
+        if caught and int(caught[1], 16) >> (signal.SIGTERM - 1) & 1:
+            break
+        time.sleep(0.1)
+    time.sleep(2.0)
+
+
 @pytest.mark.live
 @pytest.mark.parametrize("command", [c for c in commands() if c not in ELSEWHERE])
 def test_a_command(command, desk):
@@ -88,7 +101,7 @@ def test_a_command(command, desk):
         text=True,
     )
     if any(node in words for node in ENDLESS):
-        time.sleep(4.0)
+        wait_for_handlers(process)
         assert process.poll() is None, process.communicate()
         process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=120)
