@@ -47,10 +47,9 @@ ENDLESS = tuple(
 
 @pytest.fixture(scope="module")
 def desk(tmp_path_factory):
-    """A folder that looks as the README assumes: the tree's files, a photo and two bags."""
+    """A folder that looks as the README assumes: the configuration, a photo and two bags."""
     folder = tmp_path_factory.mktemp("desk")
-    for name in ("config", "geoprim_core", "geoprim_ros"):
-        (folder / name).symlink_to(ROOT / name)
+    (folder / "config").symlink_to(ROOT / "config")
     (folder / "bags").mkdir()
     build_demo_bag(folder / "bags" / "demo.mcap", sorting_frames=2, progress=False)
     (folder / "in.mcap").symlink_to(folder / "bags" / "demo.mcap")
