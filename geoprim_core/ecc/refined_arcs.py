@@ -109,7 +109,7 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
         head, following = index_points(points, width, height)
     located = signed and contours.subpixel is not None
     contour = np.repeat(np.arange(len(contours)), np.diff(contours.offsets))
-    signed = signed and 2 * np.count_nonzero(stroke) <= len(points)
+    signed = signed and 2 * int(np.count_nonzero(stroke)) <= len(points)
     return EdgePoints(points, normals, contour, head, following, 2.0 * shifts, signed, located)
 
 
