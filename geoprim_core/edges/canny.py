@@ -160,8 +160,8 @@ def pixel_noise(levels: AnyArray) -> float:
     Examples
     --------
     >>> noise = np.random.default_rng(1).normal(100, 5, (200, 200))
-    >>> round(pixel_noise(noise), 1)
-    5.0
+    >>> 4.8 < pixel_noise(noise) < 5.2
+    True
     """
     height, width = levels.shape
     differences = np.empty((height - 2, width - 2), np.float32)
