@@ -6,9 +6,14 @@ import math
 
 import numpy as np
 
-from geoprim_core._check import FloatArray
+from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_support import Int32Array
+
+ALIKE = 1.0  # pixels between the width of a line here and its typical width
+DOUBTED = 5.0  # points without a mate that each contour is given: short ones have mates by chance
+FOLLOWED = 5.0  # points with a mate that it is given in an image of lines
+FOLLOWING = 0.1  # share of mates from which a contour is a line in an image of lines
 
 
 @kernel
@@ -45,3 +50,46 @@ def find_mates(
                         gaps[k] = along
                     p = following[p]
     return gaps
+
+
+@kernel
+def count_alike(gaps: FloatArray, width: float) -> int:
+    """Count the mates that lie about as far as a line of the given signed width is wide."""
+    count = 0
+    for gap in gaps:
+        count += gap != 0.0 and abs(gap - width) < ALIKE
+    return count
+
+
+@kernel
+def own_width(gaps: FloatArray, share: float) -> float:
+    """Return the signed width of the line that a contour is an edge of by its own mates, else 0.
+
+    More than `share` of its points have a mate on one side, at one distance.
+    """
+    dark = bright = 0
+    for gap in gaps:
+        dark += gap < 0.0
+        bright += gap > 0.0
+    least = share * (len(gaps) + DOUBTED)
+    if max(dark, bright) <= least:
+        return 0.0
+    side = -1.0 if dark > bright else 1.0
+    width = np.median(gaps[side * gaps > 0.0])
+    return width if count_alike(gaps, width) > least else 0.0
+
+
+@kernel
+def stroke_widths(gaps: FloatArray, offsets: IntArray, share: float, common: float) -> FloatArray:
+    """Return for every point the signed width of the line that its contour is an edge of, else 0.
+
+    Each contour is judged by its own mates (`own_width`). In an image of lines, most of them
+    `common` wide (0: no such image), a contour follows the others unless it is long enough to
+    tell that it is none: crossings hide mates.
+    """
+    widths = np.zeros(len(gaps))
+    for c in range(len(offsets) - 1):
+        own = gaps[offsets[c] : offsets[c + 1]]
+        follows = common != 0.0 and count_alike(own, common) + FOLLOWED > FOLLOWING * len(own)
+        widths[offsets[c] : offsets[c + 1]] = common if follows else own_width(own, share)
+    return widths

@@ -18,6 +18,7 @@ PROBES = 32
 PROBE_COS = np.cos(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
 PROBE_SIN = np.sin(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
 CLEAN_RMS = 0.1  # pixels, the scatter of clean edges
+CLEAN_ROUND = 0.01  # semi-minor axes, that of small clean ellipses
 CLEAN_SLANT = 0.04  # radians, that of their gradients
 CLEAN_ENDS = 0.3  # share of ends that nothing explains
 ACROSS = 0.82  # cosine of 35 degrees: an edge point turned further crosses the outline
@@ -247,5 +248,6 @@ def unpromising(share: float, ellipse: FloatArray, growth: float, least: float) 
     """
     best = min(1.0, 1.5 * share + 0.1)
     length = best * perimeter_of(ellipse[2], ellipse[3])
-    support = evidence_of(best, CLEAN_RMS, CLEAN_SLANT, length, ellipse[3], growth, 0.0)
+    rms = min(CLEAN_RMS, CLEAN_ROUND * ellipse[3])
+    support = evidence_of(best, rms, CLEAN_SLANT, length, ellipse[3], growth, 0.0)
     return support - doubt_of_ends(best, CLEAN_ENDS, CLEAN_ENDS) < least

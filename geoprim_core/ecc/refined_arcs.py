@@ -15,6 +15,8 @@ from geoprim_core.ecc._kernels_refined_support import Int32Array, index_points
 from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.types import Contours
 
+_LONG = 30  # points of a contour; on shorter ones noise decides
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgePoints:
@@ -32,11 +34,11 @@ class EdgePoints:
         The first edge point of every pixel, -1 for none.
     following : (N,) int32
         The next point in the same pixel, -1 for none.
-    stroke : float
-        Signed width of the strokes in pixels (negative: dark lines), 0 without strokes.
+    stroke : (N,) float64
+        Signed width in pixels of the line that a point is on (negative: dark), 0 for none.
     signed : bool
-        False where the sign of the gradient means nothing: on strokes, and when the contours
-        carry no gradient.
+        False where the sign of the gradient means nothing: in line drawings, and when the
+        contours carry no gradient.
     located : bool
         True where the points are the steepest places of an image, to a fraction of a pixel.
     """
@@ -46,7 +48,7 @@ class EdgePoints:
     contour: IntArray
     head: Int32Array
     following: Int32Array
-    stroke: float
+    stroke: FloatArray
     signed: bool
     located: bool
 
@@ -85,27 +87,40 @@ class SmoothArcs:
 def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     """Gather the edge points of all contours, those of drawn lines on the centre line.
 
-    When more than a share `stroke_share` of all points have an edge of the opposite direction
-    within `stroke_reach` across a line, every point moves by half the median line width: both
-    edges of a line then give one curve. Reason: each edge alone gives an ellipse that is half a
-    line off.
+    A contour is an edge of a line when more than a share `stroke_alone` of its points have an
+    edge of the opposite direction at one distance within `stroke_reach`. Where a share
+    `stroke_share` of all long contours has, the image is a line drawing: contours are edges of
+    lines unless they are long and nothing says so. The points of lines move by half the median
+    line width: both edges of a line then give one curve. Reason: each edge alone gives an ellipse
+    that is half a line off.
     """
     width, height = _frame(contours)
     points = contours.positions
     normals = _normals(contours)
     signed = contours.gradient_angle is not None
     head, following = index_points(points, width, height)
-    stroke = 0.0
+    shifts = np.zeros(len(points))
     if signed and params.stroke_reach > 0.0 and len(points):
         gaps = _stroke.find_mates(head, following, points, normals, params.stroke_reach)
-        stroke = _stroke_width(gaps, params.stroke_share)
-    if stroke != 0.0:
-        points = points + 0.5 * stroke * normals
+        shifts = 0.5 * _stroke_widths(gaps, contours.offsets, params)
+    stroke = shifts != 0.0
+    if stroke.any():
+        points = points + shifts[:, np.newaxis] * normals
         head, following = index_points(points, width, height)
     located = signed and contours.subpixel is not None
     contour = np.repeat(np.arange(len(contours)), np.diff(contours.offsets))
-    signed = signed and stroke == 0.0
-    return EdgePoints(points, normals, contour, head, following, stroke, signed, located)
+    signed = signed and 2 * int(np.count_nonzero(stroke)) <= len(points)
+    return EdgePoints(points, normals, contour, head, following, 2.0 * shifts, signed, located)
+
+
+def _stroke_widths(gaps: FloatArray, offsets: IntArray, params: RefinedParams) -> FloatArray:
+    """Return the signed width of the line that each point is on, 0 for none."""
+    sizes = np.diff(offsets)
+    long = gaps[np.repeat(sizes >= _LONG, sizes)]
+    dark, bright = long[long < 0.0], long[long > 0.0]
+    most = dark if len(dark) >= len(bright) else bright
+    common = float(np.median(most)) if len(most) > params.stroke_share * len(long) else 0.0
+    return _stroke.stroke_widths(gaps, offsets, params.stroke_alone, common)
 
 
 def _frame(contours: Contours) -> tuple[int, int]:
@@ -122,12 +137,6 @@ def _normals(contours: Contours) -> FloatArray:
         angle = contours.gradient_angle
         return np.stack((np.cos(angle), np.sin(angle)), axis=1)
     return _arcs.chain_normals(contours.positions, contours.offsets, contours.closed)
-
-
-def _stroke_width(gaps: FloatArray, least: float) -> float:
-    dark, bright = gaps[gaps < 0.0], gaps[gaps > 0.0]
-    most = dark if len(dark) >= len(bright) else bright
-    return float(np.median(most)) if len(most) > least * len(gaps) else 0.0
 
 
 def split_arcs(edges: EdgePoints, contours: Contours, params: RefinedParams) -> SmoothArcs:

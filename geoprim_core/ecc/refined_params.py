@@ -19,7 +19,16 @@ class RefinedParams(Params):
         high=20.0,
     )
     stroke_share: float = option(
-        0.5, "strokes: share of edge points that must lie on lines", low=0.0, high=1.0
+        0.5,
+        "strokes: share of the points of long contours on lines that makes a line drawing",
+        low=0.0,
+        high=1.0,
+    )
+    stroke_alone: float = option(
+        0.7,
+        "strokes: share of a contour's points that makes it a line in other images",
+        low=0.0,
+        high=1.0,
     )
     flatness: float = option(
         0.6,

@@ -48,6 +48,20 @@ def median_magnitude(values: Any, largest: Any, least: Any) -> Any:
 
 
 @kernel
+def checkers(levels: Any, out: Any) -> None:
+    """Write the magnitude of second differences along and across (H - 2, W - 2) of an image.
+
+    Straight edges along either axis and smooth shading give zero, noise does not.
+    """
+    for y in range(len(out)):
+        above, level, below, row = levels[y], levels[y + 1], levels[y + 2], out[y]
+        for x in range(len(row)):
+            corners = (above[x] + above[x + 2]) + (below[x] + below[x + 2])
+            sides = (above[x + 1] + below[x + 1]) + (level[x] + level[x + 2])
+            row[x] = abs(corners - (sides + sides) + np.float32(4.0) * level[x + 1])
+
+
+@kernel
 def exceeds(values: Any, limit: Any) -> Any:
     """Return how many values exceed a limit."""
     count = np.int32(0)

@@ -8,7 +8,7 @@ import numpy as np
 
 from geoprim_core import _check
 from geoprim_core._check import AnyArray, BoolArray
-from geoprim_core.edges.canny import Float32Array, find_edges, image_gradient, to_gray
+from geoprim_core.edges.canny import Float32Array, find_edges, steady_gradient, to_gray
 from geoprim_core.edges.linking import (
     EdgePixels,
     link_by_direction,
@@ -86,8 +86,8 @@ def trace_edges(image: AnyArray, params: EdgeParams | None = None) -> EdgeTrace:
     params = as_params(params, EdgeParams)
     image = _check.image(image)
     gray = to_gray(image, equalise=params.equalise)
-    dx, dy, values = image_gradient(image, params)
-    flat, low, high = find_edges(dx, dy, values, params)
+    dx, dy, values, levels = steady_gradient(image, params)
+    flat, low, high = find_edges(dx, dy, values, params, levels)
     edges = np.zeros(dx.shape, np.bool_)
     edges.ravel()[flat] = True
     pixels = locate_pixels(flat, dx, dy)
@@ -141,7 +141,7 @@ def extract_contours(image: AnyArray, params: EdgeParams | None = None) -> Conto
 
 def _find_pixels(image: AnyArray, params: EdgeParams) -> EdgePixels:
     """Return the edge pixels; the full-size intermediates are freed before the linking."""
-    dx, dy, values = image_gradient(_check.image(image), params)
-    flat, _, _ = find_edges(dx, dy, values, params)
+    dx, dy, values, levels = steady_gradient(_check.image(image), params)
+    flat, _, _ = find_edges(dx, dy, values, params, levels)
     del values
     return locate_pixels(flat, dx, dy)

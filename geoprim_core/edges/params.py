@@ -60,6 +60,19 @@ class EdgeParams(Params):
         low=0.0,
         high=20.0,
     )
+    noise_sigma: float = option(
+        1.2,
+        "standard deviation that the blur may grow to in a noisy image, 0 for no such growth",
+        unit="px",
+        low=0.0,
+        high=5.0,
+    )
+    noise_share: float = option(
+        0.12,
+        "noise of the gradient, in typical gradients, above which the blur grows",
+        low=0.01,
+        high=1.0,
+    )
     linking: str = option("direction", "how edge pixels are joined", choices=LINKINGS)
     max_turn: float = option(
         15.0,

@@ -45,6 +45,11 @@ DEPARTURES = (
         "one strong edge must not hide the others",
     ),
     Departure(
+        "noisy images blurred more",
+        {"edges.noise_sigma": 0.0},
+        "noise falls with the square of the blur, an edge only in proportion",
+    ),
+    Departure(
         "direction-true linking",
         {"edges.linking": "junctions"},
         "curves go on through their crossings",

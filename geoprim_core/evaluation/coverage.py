@@ -200,7 +200,7 @@ def cover(pictures: Iterable[SingleEllipse], params: DetectorParams) -> Coverage
         found = _found(trace, one)
         if found is None:
             missed += 1
-        elif one.drawing == "outlines" and trace.edges.stroke == 0.0:
+        elif one.drawing == "outlines" and not trace.edges.stroke.any():
             unresolved += 1
         else:
             truth = one.scene.ellipses.array()[0]

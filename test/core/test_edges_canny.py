@@ -10,8 +10,15 @@ from hypothesis.extra.numpy import arrays
 from skimage import data
 
 from geoprim_core.edges import EdgeParams, extract_contours, trace_edges
-from geoprim_core.edges.canny import gaussian_weights, to_gray
+from geoprim_core.edges.canny import (
+    gaussian_weights,
+    image_gradient,
+    pixel_noise,
+    steady_gradient,
+    to_gray,
+)
 from geoprim_core.errors import ImageError, ParameterError
+from geoprim_core.synthetic import disc_image
 
 
 def textured(seed: int, height: int = 40, width: int = 50) -> np.ndarray:
@@ -215,3 +222,42 @@ def test_a_colour_edge_of_equal_grey_is_found_by_the_strongest_channel_only():
     (edge,) = extract_contours(image, EdgeParams(threshold_rule="absolute"))
     assert set(edge[:, 0]) <= {39.0, 40.0}
     assert len(edge) >= 50
+
+
+@pytest.mark.parametrize("deviation", [2.0, 10.0, 30.0])
+def test_the_noise_of_pixels_is_measured_beside_edges_and_shading(deviation):
+    y, x = np.mgrid[:300, :400]
+    scene = 60.0 + 0.2 * x + 60.0 * (np.hypot(x - 200, y - 150) < 90)
+    noisy = scene + np.random.default_rng(3).normal(0, deviation, scene.shape)
+    assert pixel_noise(noisy) == pytest.approx(deviation, rel=0.03)
+    assert pixel_noise(scene) < 0.01
+
+
+def noisy_disc(deviation: float) -> np.ndarray:
+    image = disc_image(160, 120, centre=(80.0, 60.0), radius=40.0, inside=150, outside=90)
+    noise = np.random.default_rng(5).normal(0, deviation, image.shape)
+    return np.clip(image + noise, 0, 255).astype(np.uint8)
+
+
+def test_an_image_without_noise_keeps_its_blur_to_the_bit():
+    for image in (noisy_disc(0.0), data.coins(), data.astronaut()):
+        plain = image_gradient(image, EdgeParams())
+        for one, other in zip(plain, steady_gradient(image, EdgeParams()), strict=False):
+            np.testing.assert_array_equal(one, other)
+
+
+def test_the_blur_grows_in_noise_up_to_its_limit():
+    image = noisy_disc(25.0)
+    most = image_gradient(image, EdgeParams(sigma=1.2))
+    for one, other in zip(most, steady_gradient(image, EdgeParams()), strict=False):
+        np.testing.assert_array_equal(one, other)
+    plain = image_gradient(image, EdgeParams())
+    kept = steady_gradient(image, EdgeParams(noise_sigma=0.0))
+    np.testing.assert_array_equal(plain[2], kept[2])
+
+
+@pytest.mark.parametrize("turn", [np.rot90, np.fliplr, np.transpose])
+def test_the_blurred_edges_of_a_noisy_image_turn_with_it(turn):
+    image = noisy_disc(12.0)
+    before, after = trace_edges(image), trace_edges(turn(image))
+    np.testing.assert_array_equal(turn(before.edges), after.edges)

@@ -105,6 +105,16 @@ def test_the_edges_of_a_line_are_mates_across_its_width():
     assert np.allclose(gaps, -2.25)
 
 
+def test_a_contour_is_a_line_by_its_own_mates_or_in_a_line_drawing():
+    few = np.where(np.arange(20) < 3, 2.0, 0.0)
+    gaps = np.concatenate([np.full(30, 2.0), np.zeros(60), few])
+    offsets = np.array([0, 30, 90, 110])
+    alone = stroke.stroke_widths(gaps, offsets, 0.7, 0.0)
+    assert np.array_equal(alone, np.repeat([2.0, 0.0, 0.0], [30, 60, 20]))
+    together = stroke.stroke_widths(gaps, offsets, 0.7, 2.25)
+    assert np.array_equal(together, np.repeat([2.25, 0.0, 2.25], [30, 60, 20]))
+
+
 def evidence(share=0.6, rms=0.2, slant=0.1, length=200.0, outside=0.0):
     return support.evidence_of(share, rms, slant, length, 40.0, 1.0, outside)
 

@@ -87,6 +87,63 @@ def test_a_drawn_line_gives_one_ellipse_on_its_centre_line(ink, paper):
     assert np.abs(apart.ellipses.semi_major - 84).min() > 0.4
 
 
+def lettered(image, area, ink):
+    """Rows of strokes as those of small print, 2 pixels wide, in an area (x, y, width, height)."""
+    x0, y0, width, height = area
+    for y in range(y0, y0 + height - 8, 12):
+        for x in range(x0, x0 + width - 5, 9):
+            image[y : y + 8, x : x + 2] = ink
+            image[y + 3 * (x % 2) : y + 3 * (x % 2) + 2, x : x + 5] = ink
+    return image
+
+
+@pytest.mark.parametrize("ink, paper", [(20.0, 225.0), (225.0, 40.0)])
+def test_a_drawn_circle_among_filled_shapes_is_found_on_its_centre_line(ink, paper):
+    drawn = Ellipses.from_array([[70, 70, 45, 45, 0.0]])
+    image = render_ellipses(
+        drawn, SIZE, drawing="outlines", levels=np.array([ink]), background=paper, stroke=2.0
+    )
+    for corner in range(3):  # their outlines are several times as long as the circle's
+        image[130:210, 15 + 80 * corner : 75 + 80 * corner] = ink
+    image[20:120, 140:240] = ink
+    assert_same(found_in(image), drawn, 0.1)
+
+
+def test_a_drawn_circle_beside_a_page_of_text_is_found_on_its_centre_line():
+    drawn = Ellipses.from_array([[70.4, 110.2, 55, 55, 0.0]])
+    image = render_ellipses(
+        drawn, SIZE, drawing="outlines", levels=np.array([20.0]), background=225.0, stroke=2.0
+    )
+    assert_same(found_in(lettered(image, (140, 10, 110, 200), 20)), drawn, 0.1)
+
+
+@pytest.mark.parametrize("inside", [20, 120])
+def test_a_disc_beside_ruled_lines_is_not_moved(inside):
+    image = disc_image(*SIZE, centre=(70.4, 110.2), radius=55.0, inside=inside, outside=225)
+    for y in range(8, SIZE[1] - 8, 14):
+        image[y : y + 2, 136:-6] = 60
+    trace = trace_refined(extract_contours(image))
+    assert np.mean(trace.edges.stroke != 0.0) > 0.5
+    assert_same(trace.detections, Ellipses.from_array([[70.4, 110.2, 55, 55, 0.0]]), 0.05)
+
+
+def test_drawn_circles_in_noise_are_found_on_their_centre_lines():
+    drawn = Ellipses.from_array([[70, 110, 55, 55, 0.0], [180, 70, 35, 35, 0.0]])
+    ink = np.array([225.0, 225.0])
+    image = render_ellipses(
+        drawn, SIZE, drawing="outlines", levels=ink, background=60.0, stroke=2.0
+    )
+    noise = np.random.default_rng(8).normal(0, 22, image.shape)
+    assert_same(found_in(np.clip(image + noise, 0, 255).astype(np.uint8)), drawn, 0.5)
+
+
+@pytest.mark.parametrize("radius", [5.0, 5.5, 6.3])
+@pytest.mark.parametrize("inside", [200, 40])
+def test_a_disc_of_five_pixels_is_found(radius, inside):
+    image = disc_image(60, 50, centre=(30.3, 24.6), radius=radius, inside=inside, outside=120)
+    assert_same(found_in(image), Ellipses.from_array([[30.3, 24.6, radius, radius, 0.0]]), 0.15)
+
+
 def test_concentric_rings_are_both_found():
     truth = Ellipses.from_array([[130, 110, 90, 90, 0.0], [130, 110, 65, 65, 0.0]])
     image = render_ellipses(truth, SIZE, levels=np.array([200.0, 90.0]))
