@@ -97,6 +97,42 @@ def turned(cos: float, sin: float, angle: float) -> tuple[float, float]:
 
 
 @kernel
+def middle_of_step(
+    ct: float, st: float, a: float, b: float, stride: float
+) -> tuple[float, float, float]:
+    """Return cosine and sine of the parameter amidst the step from a place, and its length."""
+    dt = min(0.5, stride / math.sqrt(a * a * st * st + b * b * ct * ct))
+    mid_ct, mid_st = turned(ct, st, 0.5 * dt)
+    dt = min(0.5, stride / math.sqrt(a * a * mid_st * mid_st + b * b * mid_ct * mid_ct))
+    mid_ct, mid_st = turned(ct, st, 0.5 * dt)
+    return mid_ct, mid_st, dt
+
+
+@kernel
+def outline_of(a: float, b: float, stride: float) -> FloatArray:
+    """Return cosine and sine of the parameters of places about `stride` pixels apart, in order.
+
+    The four quarters mirror each other, so that no direction of the walk is preferred.
+    """
+    count = 0
+    ct, st = 1.0, 0.0
+    while ct > 0.0:
+        _, _, dt = middle_of_step(ct, st, a, b, stride)
+        ct, st = turned(ct, st, dt)
+        count += 1
+    places = np.empty((4 * count, 2))
+    ct, st = 1.0, 0.0
+    for k in range(count):
+        c, s, dt = middle_of_step(ct, st, a, b, stride)
+        ct, st = turned(ct, st, dt)
+        places[k, 0], places[k, 1] = c, s
+        places[2 * count - 1 - k, 0], places[2 * count - 1 - k, 1] = -c, s
+        places[2 * count + k, 0], places[2 * count + k, 1] = -c, -s
+        places[4 * count - 1 - k, 0], places[4 * count - 1 - k, 1] = c, -s
+    return places
+
+
+@kernel
 def collect(
     head: Int32Array,
     following: Int32Array,
@@ -132,10 +168,7 @@ def collect(
         if side == 0:  # a step on in the first quarter; the other quarters are its mirror images
             if ct <= 0.0:
                 break
-            dt = min(0.5, stride / math.sqrt(a * a * st * st + b * b * ct * ct))
-            mid_ct, mid_st = turned(ct, st, 0.5 * dt)
-            dt = min(0.5, stride / math.sqrt(a * a * mid_st * mid_st + b * b * mid_ct * mid_ct))
-            mid_ct, mid_st = turned(ct, st, 0.5 * dt)
+            mid_ct, mid_st, dt = middle_of_step(ct, st, a, b, stride)
             ct, st = turned(ct, st, dt)
             turn = a * b * dt / (a * a * mid_st * mid_st + b * b * mid_ct * mid_ct)
         u = a * mid_ct if side % 2 == 0 else -a * mid_ct
