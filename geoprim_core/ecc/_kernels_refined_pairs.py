@@ -46,10 +46,12 @@ def arc_rms(
     cos: float,
     sin: float,
     normal: FloatArray,
+    most: float,
 ) -> float:
     """Return the root mean square distance of about 12 points of an arc to an ellipse.
 
-    Infinite when the arc bends away from the ellipse: `normal` is its inner normal amidst.
+    Infinite when the arc bends away from the ellipse: `normal` is its inner normal amidst; and
+    above `most`, which is known before all points have been looked at.
     """
     size = high - low
     count = min(12, size)
@@ -58,6 +60,7 @@ def arc_rms(
     if nx * normal[0] + ny * normal[1] > -0.9:
         return math.inf
     total = 0.0
+    limit = count * most * most * (1.0 + 1e-9)
     for k in range(count):
         # Backwards from the end in the second half: the same points whichever way the arc runs.
         back = count - 1 - k
@@ -65,6 +68,8 @@ def arc_rms(
         p = order[low + (at if k <= back else size - 1 - at)]
         d, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
         total += d * d
+        if total > limit:
+            return math.inf
     return math.sqrt(total / count)
 
 
@@ -79,10 +84,14 @@ def fit_arcs(
     j: int,
     max_rms: float,
     max_size: float,
+    most: float,
     work: FloatArray,
     ellipse: FloatArray,
 ) -> float:
-    """Fit one arc (j < 0) or two; return the worse rms of both, infinite where they do not fit."""
+    """Fit one arc (j < 0) or two; return the worse rms of both, infinite where they do not fit.
+
+    An ellipse with an outline that is certainly longer than `most` does not either.
+    """
     x, y = table[i, 0], table[i, 1]
     size = table[i, 19]
     if j >= 0:
@@ -96,13 +105,15 @@ def fit_arcs(
         add_shifted(work, moments[j], table[j, 0] - x, table[j, 1] - y, scale)
     if not fit_moments(work, x, y, scale, ellipse):
         return math.inf
-    if ellipse[2] > max_size or ellipse[3] < 2.0:
+    if ellipse[2] > max_size or ellipse[3] < 2.0 or math.pi * (ellipse[2] + ellipse[3]) > most:
         return math.inf
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    rms = arc_rms(points, order, ends[i], ends[i + 1], ellipse, cos, sin, table[i, 10:12])
-    if j >= 0 and rms < max_rms:
-        other = arc_rms(points, order, ends[j], ends[j + 1], ellipse, cos, sin, table[j, 10:12])
-        rms = max(rms, other)
+    rms = 0.0
+    for k in (i, j):
+        if k >= 0 and rms < max_rms:
+            low, high, inner = ends[k], ends[k + 1], table[k, 10:12]
+            own = arc_rms(points, order, low, high, ellipse, cos, sin, inner, max_rms)
+            rms = max(rms, own)
     return rms if rms < max_rms else math.inf
 
 
@@ -334,8 +345,9 @@ def pair_arcs(
             j = partners[k] if k >= 0 else -1
             size = table[i, 18] + (table[j, 18] if j >= 0 else 0.0)
             rms = fit_arcs(
-                points, order, ends, table, moments, i, j, max_rms, max_size, work, ellipse
-            )
+                points, order, ends, table, moments, i, j, max_rms, max_size, size / min_share,
+                work, ellipse,
+            )  # fmt: skip
             if not rms < max_rms or size < min_share * perimeter_of(ellipse[2], ellipse[3]):
                 continue
             if found == len(arcs):

@@ -65,7 +65,7 @@ def all_pairs(edges, arcs, params):
             rms = pairs.fit_arcs(
                 edges.points, arcs.indices, arcs.offsets, table, arcs.moments, i,
                 j if j > i else -1, params.max_pair_rms, params.max_size * edges.diagonal,
-                work, ellipse,
+                np.inf, work, ellipse,
             )  # fmt: skip
             outline = perimeter_of(ellipse[2], ellipse[3])
             if rms < params.max_pair_rms and size >= params.min_pair_share * outline:
