@@ -13,7 +13,8 @@ import numpy as np
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
 
-ROUNDS = 3  # of the last refit
+ROUNDS = 3  # of the robust refit at most
+SETTLED = 0.01  # pixels, by which a settled ellipse moves in a round
 TUKEY = 4.685  # 95 % efficiency on normal errors
 MAD = 1.4826
 LEAST_WIDTH = 0.5  # pixels
@@ -224,14 +225,14 @@ def offset_of(
     """Return the signed distance of a point (Sampson) and the outward unit normal there."""
     dx = x - ellipse[0]
     dy = y - ellipse[1]
-    u = (dx * cos + dy * sin) / ellipse[2]
-    v = (dy * cos - dx * sin) / ellipse[3]
-    gu = u / ellipse[2]
-    gv = v / ellipse[3]
-    slope = math.sqrt(gu * gu + gv * gv) + 1e-300
-    distance = 0.5 * (u * u + v * v - 1.0) / slope
-    gu /= slope
-    gv /= slope
+    u = dx * cos + dy * sin
+    v = dy * cos - dx * sin
+    gu = u / (ellipse[2] * ellipse[2])
+    gv = v / (ellipse[3] * ellipse[3])
+    inverse = 1.0 / (math.sqrt(gu * gu + gv * gv) + 1e-300)  # few divisions: it runs most of all
+    distance = 0.5 * (u * gu + v * gv - 1.0) * inverse
+    gu *= inverse
+    gv *= inverse
     return distance, gu * cos - gv * sin, gu * sin + gv * cos
 
 
@@ -322,7 +323,8 @@ def refit_robustly(
 ) -> float:
     """Refit an ellipse in place with weights from the median distance; return their width.
 
-    A round that leaves the limits of the semi-axes is undone and the last.
+    A round that leaves the limits of the semi-axes is undone and the last; one that moves the
+    ellipse by less than `SETTLED` is the last too.
     """
     distances = np.empty(len(chosen))
     row = ellipse.copy()
@@ -337,5 +339,10 @@ def refit_robustly(
             break
         if row[2] > max_size or row[3] < min_size:
             break
+        moved = 0.0
+        for k in range(4):
+            moved = max(moved, abs(row[k] - ellipse[k]))
         ellipse[:] = row
+        if moved < SETTLED:
+            break
     return width

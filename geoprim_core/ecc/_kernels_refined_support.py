@@ -51,6 +51,29 @@ def arcs_of_points(order: IntArray, ends: IntArray, total: int) -> IntArray:
 
 
 @kernel
+def has_direction(
+    head: Int32Array,
+    following: Int32Array,
+    normals: FloatArray,
+    px: int,
+    py: int,
+    nx: float,
+    ny: float,
+    polarity: int,
+) -> bool:
+    """Tell whether one of the nine pixels around a place has an edge with the normal (nx, ny)."""
+    for y in range(py - 1, py + 2):
+        for x in range(px - 1, px + 2):
+            p = head[y, x]
+            while p >= 0:
+                dot = -(nx * normals[p, 0] + ny * normals[p, 1])
+                if abs(dot) > 0.9 and (polarity == 0 or dot * polarity > 0.0):
+                    return True
+                p = following[p]
+    return False
+
+
+@kernel
 def probe(
     head: Int32Array,
     following: Int32Array,
@@ -74,15 +97,7 @@ def probe(
         gu, gv = b * PROBE_COS[k], a * PROBE_SIN[k]
         norm = math.sqrt(gu * gu + gv * gv)
         nx, ny = (gu * cos - gv * sin) / norm, (gu * sin + gv * cos) / norm
-        hit = False
-        for y in range(py - 1, py + 2):
-            for x in range(px - 1, px + 2):
-                p = head[y, x]
-                while p >= 0 and not hit:
-                    dot = -(nx * normals[p, 0] + ny * normals[p, 1])
-                    hit = abs(dot) > 0.9 and (polarity == 0 or dot * polarity > 0.0)
-                    p = following[p]
-        if hit:
+        if has_direction(head, following, normals, px, py, nx, ny, polarity):
             hits += 1
     return hits / inside if inside > 0 else 0.0
 

@@ -113,7 +113,8 @@ def describe(
     evidence = support_evidence(sums, count, row[5], ellipse, growth)
     if limits[ENDS] > 0.0 and evidence >= least:  # else it is too weak already
         row[6] = continuing_share(links, stamp, mark, chosen, count)
-        row[7] = unexplained_share(head, following, normals, ellipse, stamp, mark)
+        if evidence - limits[ENDS] * doubt_of_ends(share, row[6], 0.0) >= least:
+            row[7] = unexplained_share(head, following, normals, ellipse, stamp, mark)
         evidence -= limits[ENDS] * doubt_of_ends(share, row[6], row[7])
     row[0] = evidence - doubt_of_clutter(share, row[4])
     return float(evidence)
