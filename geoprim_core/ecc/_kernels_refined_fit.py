@@ -219,21 +219,28 @@ def fit_moments(m: FloatArray, x0: float, y0: float, scale: float, out: FloatArr
 
 
 @kernel
-def offset_of(
-    ellipse: FloatArray, cos: float, sin: float, x: float, y: float
+def offset_at(
+    dx: float, dy: float, cos: float, sin: float, flat: float, steep: float
 ) -> tuple[float, float, float]:
-    """Return the signed distance of a point (Sampson) and the outward unit normal there."""
-    dx = x - ellipse[0]
-    dy = y - ellipse[1]
+    """Return what `offset_of` does, (dx, dy) from the centre; 1 / a^2 and 1 / b^2 are given."""
     u = dx * cos + dy * sin
     v = dy * cos - dx * sin
-    gu = u / (ellipse[2] * ellipse[2])
-    gv = v / (ellipse[3] * ellipse[3])
-    inverse = 1.0 / (math.sqrt(gu * gu + gv * gv) + 1e-300)  # few divisions: it runs most of all
+    gu = u * flat
+    gv = v * steep
+    inverse = 1.0 / (math.sqrt(gu * gu + gv * gv) + 1e-300)
     distance = 0.5 * (u * gu + v * gv - 1.0) * inverse
     gu *= inverse
     gv *= inverse
     return distance, gu * cos - gv * sin, gu * sin + gv * cos
+
+
+@kernel
+def offset_of(
+    ellipse: FloatArray, cos: float, sin: float, x: float, y: float
+) -> tuple[float, float, float]:
+    """Return the signed distance of a point (Sampson) and the outward unit normal there."""
+    flat, steep = 1.0 / (ellipse[2] * ellipse[2]), 1.0 / (ellipse[3] * ellipse[3])
+    return offset_at(x - ellipse[0], y - ellipse[1], cos, sin, flat, steep)
 
 
 @kernel
@@ -277,26 +284,33 @@ def refit(
     row = np.empty(5)
     for _ in range(steps):
         cos, sin = math.cos(current[4]), math.sin(current[4])
-        a, b = current[2], current[3]
-        normal[:] = 0.0
-        right[:] = 0.0
-        for k in range(count):
-            dx = points[chosen[k], 0] - current[0]
-            dy = points[chosen[k], 1] - current[1]
-            u = (dx * cos + dy * sin) / a
-            v = (dy * cos - dx * sin) / b
-            slope = 4.0 * (u * u / (a * a) + v * v / (b * b)) + 1e-300
-            f = u * u + v * v - 1.0
-            ratio = f * f / (slope * width * width)
+        x0, y0, a, b = current[0], current[1], current[2], current[3]
+        ia, ib = 1.0 / a, 1.0 / b
+        narrow, common = 1.0 / (width * width), 1.0 / (a * b)
+        m40 = m31 = m22 = m13 = m04 = m30 = m21 = m12 = m03 = m20 = m11 = m02 = 0.0
+        r0 = r1 = r2 = r3 = r4 = 0.0
+        for k in range(count):  # scalars: an array is read and written for each point
+            dx, dy = points[chosen[k], 0] - x0, points[chosen[k], 1] - y0
+            u, v = (dx * cos + dy * sin) * ia, (dy * cos - dx * sin) * ib
+            uu, uv, vv = u * u, u * v, v * v
+            inverse = 1.0 / (4.0 * (uu * ia * ia + vv * ib * ib) + 1e-300)
+            f = uu + vv - 1.0
+            ratio = f * f * inverse * narrow
             if ratio >= 1.0:
                 continue
-            weight = (1.0 - ratio) * (1.0 - ratio) / (slope * a * b)
-            row[0], row[1], row[2], row[3], row[4] = u * u, u * v, v * v, u, v
-            for i in range(5):
-                wi = weight * row[i]
-                right[i] -= wi * f
-                for j in range(i + 1):
-                    normal[i, j] += wi * row[j]
+            weight = (1.0 - ratio) * (1.0 - ratio) * inverse * common
+            wuu, wuv, wvv, wf = weight * uu, weight * uv, weight * vv, weight * f
+            m40, m31, m22 = m40 + wuu * uu, m31 + wuu * uv, m22 + wuu * vv
+            m13, m04 = m13 + wuv * vv, m04 + wvv * vv
+            m30, m21, m12, m03 = m30 + wuu * u, m21 + wuu * v, m12 + wvv * u, m03 + wvv * v
+            m20, m11, m02 = m20 + wuu, m11 + wuv, m02 + wvv
+            r0, r1, r2, r3, r4 = r0 - wf * uu, r1 - wf * uv, r2 - wf * vv, r3 - wf * u, r4 - wf * v
+        normal[0, 0], normal[1, 0], normal[1, 1] = m40, m31, m22
+        normal[2, 0], normal[2, 1], normal[2, 2] = m22, m13, m04
+        normal[3, 0], normal[3, 1], normal[3, 2], normal[3, 3] = m30, m21, m12, m20
+        normal[4, 0], normal[4, 1], normal[4, 2] = m21, m12, m03
+        normal[4, 3], normal[4, 4] = m11, m02
+        right[0], right[1], right[2], right[3], right[4] = r0, r1, r2, r3, r4
         size = normal[0, 0] + normal[2, 2]
         for i in range(5):
             right[i] /= size

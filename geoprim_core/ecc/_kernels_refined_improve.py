@@ -31,7 +31,7 @@ POLISHES = 2
 FIT_STEPS = 72.0  # as many places on the outline serve a fit
 LEAST_POINTS = 10
 REFITS = (1.0, 0.8, 1.0)  # reach of the three collections of support, in shares of the limit
-HOPE = (6.0, 2.0)  # evidence that the first and the second refit may still add
+HOPE = (6.0, 1.0)  # evidence that the first and the second refit may still add
 
 # Entries of the array of limits that `improve` and `verify` take.
 REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI, ENDS, SPREAD = range(9)

@@ -12,6 +12,7 @@ from geoprim_core.ecc._kernels_refined_fit import add_shifted, fit_moments, offs
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
 CLASS_RATIO = 1.5  # longest over shortest arc of one class of lengths
+SAMPLES = 12  # points of an arc that an ellipse is measured by
 LEAST_CELL = 16.0  # pixels
 LEVEL = 1e-4  # a border of a search region that rises less is taken as level
 CELL_ARCS = 2.0  # side of a cell in mean distances of arcs
@@ -37,37 +38,52 @@ def sees(a: FloatArray, b: FloatArray, slack: float) -> bool:
 
 
 @kernel
+def sample_arcs(points: FloatArray, order: IntArray, ends: IntArray) -> FloatArray:
+    """Return about 12 points of each arc (A, 13, 2), the one amidst at the end; NaN fills up."""
+    samples = np.full((len(ends) - 1, SAMPLES + 1, 2), np.nan)
+    for i in range(len(samples)):
+        low, size = ends[i], ends[i + 1] - ends[i]
+        count = min(SAMPLES, size)
+        samples[i, SAMPLES] = points[order[low + size // 2]]
+        for k in range(count):
+            # Backwards from the end in the second half: the same points whichever way the arc runs.
+            back = count - 1 - k
+            at = (min(k, back) * (size - 1)) // (count - 1)
+            samples[i, k] = points[order[low + (at if k <= back else size - 1 - at)]]
+    return samples
+
+
+@kernel
 def arc_rms(
-    points: FloatArray,
-    order: IntArray,
-    low: int,
-    high: int,
+    samples: FloatArray,
+    i: int,
+    size: float,
     ellipse: FloatArray,
     cos: float,
     sin: float,
     normal: FloatArray,
     most: float,
 ) -> float:
-    """Return the root mean square distance of about 12 points of an arc to an ellipse.
+    """Return the root mean square distance of samples of arc i, of `size` points, to an ellipse.
 
     Infinite when the arc bends away from the ellipse: `normal` is its inner normal amidst; and
     above `most`, which is known before all points have been looked at.
     """
-    size = high - low
-    count = min(12, size)
-    mid = order[low + size // 2]
-    d, nx, ny = offset_of(ellipse, cos, sin, points[mid, 0], points[mid, 1])
+    x, y = samples[i, SAMPLES, 0], samples[i, SAMPLES, 1]
+    _, nx, ny = offset_of(ellipse, cos, sin, x, y)
     if nx * normal[0] + ny * normal[1] > -0.9:
         return math.inf
-    total = 0.0
+    count = min(SAMPLES, int(size))
     limit = count * most * most * (1.0 + 1e-9)
-    for k in range(count):
-        # Backwards from the end in the second half: the same points whichever way the arc runs.
-        back = count - 1 - k
-        at = (min(k, back) * (size - 1)) // (count - 1)
-        p = order[low + (at if k <= back else size - 1 - at)]
-        d, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
-        total += d * d
+    x0, y0 = ellipse[0], ellipse[1]
+    flat, steep = 1.0 / (ellipse[2] * ellipse[2]), 1.0 / (ellipse[3] * ellipse[3])
+    total = 0.0
+    for k in range(count):  # the square of what `offset_of` returns first
+        dx, dy = samples[i, k, 0] - x0, samples[i, k, 1] - y0
+        u, v = dx * cos + dy * sin, dy * cos - dx * sin
+        gu, gv = u * flat, v * steep
+        f = 0.5 * (u * gu + v * gv - 1.0)
+        total += f * f / (gu * gu + gv * gv + 1e-300)
         if total > limit:
             return math.inf
     return math.sqrt(total / count)
@@ -75,9 +91,7 @@ def arc_rms(
 
 @kernel
 def fit_arcs(
-    points: FloatArray,
-    order: IntArray,
-    ends: IntArray,
+    samples: FloatArray,
     table: FloatArray,
     moments: FloatArray,
     i: int,
@@ -111,9 +125,8 @@ def fit_arcs(
     rms = 0.0
     for k in (i, j):
         if k >= 0 and rms < max_rms:
-            low, high, inner = ends[k], ends[k + 1], table[k, 10:12]
-            own = arc_rms(points, order, low, high, ellipse, cos, sin, inner, max_rms)
-            rms = max(rms, own)
+            normal, size = table[k, 10:12], table[k, 18]
+            rms = max(rms, arc_rms(samples, k, size, ellipse, cos, sin, normal, max_rms))
     return rms if rms < max_rms else math.inf
 
 
@@ -330,6 +343,7 @@ def pair_arcs(
     drift = 0.0
     for i in range(len(table)):
         drift = max(drift, math.hypot(table[i, 4] - table[i, 0], table[i, 5] - table[i, 1]))
+    samples = sample_arcs(points, order, ends)
     partners = np.empty(len(table), np.int64)
     work = np.empty(25)
     ellipse = np.empty(5)
@@ -345,7 +359,7 @@ def pair_arcs(
             j = partners[k] if k >= 0 else -1
             size = table[i, 18] + (table[j, 18] if j >= 0 else 0.0)
             rms = fit_arcs(
-                points, order, ends, table, moments, i, j, max_rms, max_size, size / min_share,
+                samples, table, moments, i, j, max_rms, max_size, size / min_share,
                 work, ellipse,
             )  # fmt: skip
             if not rms < max_rms or size < min_share * perimeter_of(ellipse[2], ellipse[3]):

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_of
+from geoprim_core.ecc._kernels_refined_fit import offset_at
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
 Int32Array = npt.NDArray[np.int32]
@@ -173,7 +173,8 @@ def collect(
     """
     height, width = head.shape
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    a, b = ellipse[2], ellipse[3]
+    x0, y0, a, b = ellipse[0], ellipse[1], ellipse[2], ellipse[3]
+    flat, steep = 1.0 / (a * a), 1.0 / (b * b)
     count = 0
     sums[:] = 0.0
     ct, st, mid_ct, mid_st, turn = 1.0, 0.0, 1.0, 0.0, 0.0
@@ -188,8 +189,8 @@ def collect(
             turn = a * b * dt / (a * a * mid_st * mid_st + b * b * mid_ct * mid_ct)
         u = a * mid_ct if side % 2 == 0 else -a * mid_ct
         v = b * mid_st if side < 2 else -b * mid_st
-        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
-        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
+        px = int(math.floor(x0 + u * cos - v * sin + 0.5))
+        py = int(math.floor(y0 + u * sin + v * cos + 0.5))
         sums[STEPS] += 1.0
         if px < 1 or py < 1 or px > width - 2 or py > height - 2:
             continue
@@ -201,7 +202,8 @@ def collect(
                 p = head[y, x]
                 while p >= 0:
                     if stamp[p] != mark and stamp[p] != -mark:
-                        d, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
+                        dx, dy = points[p, 0] - x0, points[p, 1] - y0
+                        d, nx, ny = offset_at(dx, dy, cos, sin, flat, steep)
                         dot = -(nx * normals[p, 0] + ny * normals[p, 1])
                         stamp[p] = -mark
                         if abs(dot) < ACROSS:
@@ -293,7 +295,7 @@ def unpromising(share: float, ellipse: FloatArray, growth: float, least: float) 
 
     The refits may find half as much again, and a little more, with a scatter as of clean edges.
     """
-    best = min(1.0, 1.5 * share + 0.1)
+    best = min(1.0, 1.25 * share + 0.05)
     length = best * perimeter_of(ellipse[2], ellipse[3])
     support = evidence_of(best, CLEAN_RMS, CLEAN_SLANT, length, ellipse[3], growth, 0.0)
     return support - doubt_of_ends(best, CLEAN_ENDS, CLEAN_ENDS) < least

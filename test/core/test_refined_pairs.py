@@ -50,6 +50,7 @@ def all_pairs(edges, arcs, params):
     """Return arcs -> (rank, ellipse) of all candidates, by trying every pair."""
     table, found = arcs.table, {}
     ellipse, work = np.empty(5), np.empty(25)
+    samples = pairs.sample_arcs(edges.points, arcs.indices, arcs.offsets)
     signed = edges.signed and params.same_polarity
     for i in range(len(table)):
         for j in range(i, len(table)):
@@ -63,7 +64,7 @@ def all_pairs(edges, arcs, params):
                 if not (pairs.sees(a, b, slack) and pairs.sees(b, a, slack)):
                     continue
             rms = pairs.fit_arcs(
-                edges.points, arcs.indices, arcs.offsets, table, arcs.moments, i,
+                samples, table, arcs.moments, i,
                 j if j > i else -1, params.max_pair_rms, params.max_size * edges.diagonal,
                 np.inf, work, ellipse,
             )  # fmt: skip
