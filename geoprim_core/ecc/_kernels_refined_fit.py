@@ -13,11 +13,8 @@ import numpy as np
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
 
-ROUNDS = 3  # of the robust refit at most
-SETTLED = 0.01  # pixels, by which a settled ellipse moves in a round
 TUKEY = 4.685  # 95 % efficiency on normal errors
 MAD = 1.4826
-LEAST_WIDTH = 0.5  # pixels
 
 
 @kernel
@@ -329,34 +326,3 @@ def refit(
         current[4] = (current[4] + row[4]) % math.pi
     ellipse[:] = current
     return True
-
-
-@kernel
-def refit_robustly(
-    points: FloatArray, chosen: IntArray, ellipse: FloatArray, max_size: float, min_size: float
-) -> float:
-    """Refit an ellipse in place with weights from the median distance; return their width.
-
-    A round that leaves the limits of the semi-axes is undone and the last; one that moves the
-    ellipse by less than `SETTLED` is the last too.
-    """
-    distances = np.empty(len(chosen))
-    row = ellipse.copy()
-    width = 0.0
-    for _ in range(ROUNDS):
-        cos, sin = math.cos(row[4]), math.sin(row[4])
-        for k in range(len(chosen)):
-            d, _, _ = offset_of(row, cos, sin, points[chosen[k], 0], points[chosen[k], 1])
-            distances[k] = abs(d)
-        width = max(LEAST_WIDTH, TUKEY * MAD * np.median(distances))
-        if not refit(points, chosen, len(chosen), row, 2, width):
-            break
-        if row[2] > max_size or row[3] < min_size:
-            break
-        moved = 0.0
-        for k in range(4):
-            moved = max(moved, abs(row[k] - ellipse[k]))
-        ellipse[:] = row
-        if moved < SETTLED:
-            break
-    return width
