@@ -295,7 +295,7 @@ def unpromising(share: float, ellipse: FloatArray, growth: float, least: float) 
 
     The refits may find half as much again, and a little more, with a scatter as of clean edges.
     """
-    best = min(1.0, 1.25 * share + 0.05)
+    best = min(1.0, 1.5 * share + 0.1)
     length = best * perimeter_of(ellipse[2], ellipse[3])
     support = evidence_of(best, CLEAN_RMS, CLEAN_SLANT, length, ellipse[3], growth, 0.0)
     return support - doubt_of_ends(best, CLEAN_ENDS, CLEAN_ENDS) < least
