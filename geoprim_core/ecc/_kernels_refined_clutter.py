@@ -10,7 +10,12 @@ from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_fit import offset_of
 from geoprim_core.ecc._kernels_refined_select import claim
-from geoprim_core.ecc._kernels_refined_support import ACROSS, Int32Array, doubt_of_clutter
+from geoprim_core.ecc._kernels_refined_support import (
+    ACROSS,
+    Int32Array,
+    doubt_of_clutter,
+    outline_of,
+)
 
 UNEXPLAINED = 38.0  # evidence lost for each unexplained crossing point a supporting one
 
@@ -31,12 +36,11 @@ def count_crossings(
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
     a, b = ellipse[2], ellipse[3]
     count = 0
-    t = 0.0
-    while t < 2.0 * math.pi:
-        ct, st = math.cos(t), math.sin(t)
-        t += min(0.5, 2.0 / math.sqrt(a * a * st * st + b * b * ct * ct))
-        px = int(math.floor(ellipse[0] + a * ct * cos - b * st * sin + 0.5))
-        py = int(math.floor(ellipse[1] + a * ct * sin + b * st * cos + 0.5))
+    places = outline_of(a, b, 2.0)
+    for k in range(len(places)):
+        u, v = a * places[k, 0], b * places[k, 1]
+        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
+        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
         if px < 1 or py < 1 or px > width - 2 or py > height - 2:
             continue
         for y in range(py - 1, py + 2):

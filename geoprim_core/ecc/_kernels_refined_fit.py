@@ -13,14 +13,8 @@ import numpy as np
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
 
-BINOMIAL = np.array(
-    [[1, 0, 0, 0, 0], [1, 1, 0, 0, 0], [1, 2, 1, 0, 0], [1, 3, 3, 1, 0], [1, 4, 6, 4, 1]], float
-)
-
-ROUNDS = 3  # of the last refit
 TUKEY = 4.685  # 95 % efficiency on normal errors
 MAD = 1.4826
-LEAST_WIDTH = 0.5  # pixels
 
 
 @kernel
@@ -36,31 +30,54 @@ def add_point(moments: FloatArray, x: float, y: float) -> None:
 
 
 @kernel
+def shifted_sums(
+    m0: float, m1: float, m2: float, m3: float, m4: float, d: float
+) -> tuple[float, float, float, float, float]:
+    """Return sums of (x + d)^p, p = 0 .. 4, from those of x^p.
+
+    Scalars, here and in `fit_moments`: they run for each pair of arcs, an array costs as much as
+    the sums.
+    """
+    d2 = d * d
+    d3 = d2 * d
+    d4 = d3 * d
+    s1 = d * m0 + m1
+    s2 = d2 * m0 + 2.0 * d * m1 + m2
+    s3 = d3 * m0 + 3.0 * d2 * m1 + 3.0 * d * m2 + m3
+    s4 = d4 * m0 + 4.0 * d3 * m1 + 6.0 * d2 * m2 + 4.0 * d * m3 + m4
+    return m0, s1, s2, s3, s4
+
+
+@kernel
 def add_shifted(total: FloatArray, moments: FloatArray, dx: float, dy: float, scale: float) -> None:
     """Add to `total` the moments of the same points moved by (dx, dy), then scaled."""
-    half = np.empty(25)
-    power = np.empty(5)
-    power[0] = 1.0
-    for k in range(1, 5):
-        power[k] = power[k - 1] * dx
-    for p in range(5):
-        for q in range(5 - p):
-            value = 0.0
-            for k in range(p + 1):
-                value += BINOMIAL[p, k] * power[p - k] * moments[5 * k + q]
-            half[5 * p + q] = value
-    for k in range(1, 5):
-        power[k] = power[k - 1] * dy
-    factor = np.empty(5)
-    factor[0] = 1.0
-    for k in range(1, 5):
-        factor[k] = factor[k - 1] * scale
-    for p in range(5):
-        for q in range(5 - p):
-            value = 0.0
-            for k in range(q + 1):
-                value += BINOMIAL[q, k] * power[q - k] * half[5 * p + k]
-            total[5 * p + q] += value * factor[p + q]
+    m = moments
+    h00, h10, h20, h30, h40 = shifted_sums(m[0], m[5], m[10], m[15], m[20], dx)
+    h01, h11, h21, h31, _ = shifted_sums(m[1], m[6], m[11], m[16], 0.0, dx)
+    h02, h12, h22, _, _ = shifted_sums(m[2], m[7], m[12], 0.0, 0.0, dx)
+    h03, h13, _, _, _ = shifted_sums(m[3], m[8], 0.0, 0.0, 0.0, dx)
+    _, t01, t02, t03, t04 = shifted_sums(h00, h01, h02, h03, m[4], dy)
+    _, t11, t12, t13, _ = shifted_sums(h10, h11, h12, h13, 0.0, dy)
+    _, t21, t22, _, _ = shifted_sums(h20, h21, h22, 0.0, 0.0, dy)
+    _, t31, _, _, _ = shifted_sums(h30, h31, 0.0, 0.0, 0.0, dy)
+    square = scale * scale
+    cube = square * scale
+    fourth = cube * scale
+    total[0] += h00
+    total[1] += t01 * scale
+    total[2] += t02 * square
+    total[3] += t03 * cube
+    total[4] += t04 * fourth
+    total[5] += h10 * scale
+    total[6] += t11 * square
+    total[7] += t12 * cube
+    total[8] += t13 * fourth
+    total[10] += h20 * square
+    total[11] += t21 * cube
+    total[12] += t22 * fourth
+    total[15] += h30 * cube
+    total[16] += t31 * fourth
+    total[20] += h40 * fourth
 
 
 @kernel
@@ -111,6 +128,38 @@ def ellipse_of_conic(
 
 
 @kernel
+def lines_of(
+    i00: float,
+    i01: float,
+    i02: float,
+    i11: float,
+    i12: float,
+    i22: float,
+    u: float,
+    v: float,
+    w: float,
+    det: float,
+) -> tuple[float, float, float]:
+    """Return minus an inverse symmetric matrix (adjugate i over det) times (u, v, w)."""
+    return (
+        -(i00 * u + i01 * v + i02 * w) / det,
+        -(i01 * u + i11 * v + i12 * w) / det,
+        -(i02 * u + i12 * v + i22 * w) / det,
+    )
+
+
+@kernel
+def crossed(
+    x0: float, x1: float, x2: float, y0: float, y1: float, y2: float
+) -> tuple[float, float, float, float]:
+    """Return the cross product of two vectors and the square of its length."""
+    w0 = x1 * y2 - x2 * y1
+    w1 = x2 * y0 - x0 * y2
+    w2 = x0 * y1 - x1 * y0
+    return w0, w1, w2, w0 * w0 + w1 * w1 + w2 * w2
+
+
+@kernel
 def fit_moments(m: FloatArray, x0: float, y0: float, scale: float, out: FloatArray) -> bool:
     """Fit an ellipse to moments taken of ((x, y) - (x0, y0)) * scale; False if there is none.
 
@@ -128,46 +177,35 @@ def fit_moments(m: FloatArray, x0: float, y0: float, scale: float, out: FloatArr
     i11 = a * f - c * c
     i12 = b * c - a * e
     i22 = a * d - b * b
-    s2 = ((m[15], m[11], m[10]), (m[11], m[7], m[6]), (m[7], m[3], m[2]))
-    t = np.empty((3, 3))
-    for k in range(3):
-        u, v, w = s2[k]
-        t[0, k] = -(i00 * u + i01 * v + i02 * w) / det
-        t[1, k] = -(i01 * u + i11 * v + i12 * w) / det
-        t[2, k] = -(i02 * u + i12 * v + i22 * w) / det
-    s1 = ((m[20], m[16], m[12]), (m[16], m[12], m[8]), (m[12], m[8], m[4]))
-    r = np.empty((3, 3))
-    for i in range(3):
-        u, v, w = s2[i]
-        for k in range(3):
-            r[i, k] = s1[i][k] + u * t[0, k] + v * t[1, k] + w * t[2, k]
-    g = np.empty((3, 3))
-    for k in range(3):
-        g[0, k] = 0.5 * r[2, k]
-        g[1, k] = -r[1, k]
-        g[2, k] = 0.5 * r[0, k]
-    trace = g[0, 0] + g[1, 1] + g[2, 2]
-    minors = g[0, 0] * g[1, 1] - g[0, 1] * g[1, 0] + g[0, 0] * g[2, 2] - g[0, 2] * g[2, 0]
-    minors += g[1, 1] * g[2, 2] - g[1, 2] * g[2, 1]
-    det3 = g[0, 0] * (g[1, 1] * g[2, 2] - g[1, 2] * g[2, 1])
-    det3 -= g[0, 1] * (g[1, 0] * g[2, 2] - g[1, 2] * g[2, 0])
-    det3 += g[0, 2] * (g[1, 0] * g[2, 1] - g[1, 1] * g[2, 0])
-    root = largest_root(-trace, minors, -det3)
-    for k in range(3):
-        g[k, k] -= root
-    best = 0.0
-    v0 = v1 = v2 = 0.0
-    for k in range(3):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        w0 = g[i, 1] * g[j, 2] - g[i, 2] * g[j, 1]
-        w1 = g[i, 2] * g[j, 0] - g[i, 0] * g[j, 2]
-        w2 = g[i, 0] * g[j, 1] - g[i, 1] * g[j, 0]
-        norm = w0 * w0 + w1 * w1 + w2 * w2
-        if norm > best:
-            best, v0, v1, v2 = norm, w0, w1, w2
-    u = t[0, 0] * v0 + t[0, 1] * v1 + t[0, 2] * v2
-    v = t[1, 0] * v0 + t[1, 1] * v1 + t[1, 2] * v2
-    w = t[2, 0] * v0 + t[2, 1] * v1 + t[2, 2] * v2
+    t00, t10, t20 = lines_of(i00, i01, i02, i11, i12, i22, m[15], m[11], m[10], det)
+    t01, t11, t21 = lines_of(i00, i01, i02, i11, i12, i22, m[11], m[7], m[6], det)
+    t02, t12, t22 = lines_of(i00, i01, i02, i11, i12, i22, m[7], m[3], m[2], det)
+    g20 = 0.5 * (m[20] + m[15] * t00 + m[11] * t10 + m[10] * t20)
+    g21 = 0.5 * (m[16] + m[15] * t01 + m[11] * t11 + m[10] * t21)
+    g22 = 0.5 * (m[12] + m[15] * t02 + m[11] * t12 + m[10] * t22)
+    g10 = -(m[16] + m[11] * t00 + m[7] * t10 + m[6] * t20)
+    g11 = -(m[12] + m[11] * t01 + m[7] * t11 + m[6] * t21)
+    g12 = -(m[8] + m[11] * t02 + m[7] * t12 + m[6] * t22)
+    g00 = 0.5 * (m[12] + m[7] * t00 + m[3] * t10 + m[2] * t20)
+    g01 = 0.5 * (m[8] + m[7] * t01 + m[3] * t11 + m[2] * t21)
+    g02 = 0.5 * (m[4] + m[7] * t02 + m[3] * t12 + m[2] * t22)
+    minors = g00 * g11 - g01 * g10 + g00 * g22 - g02 * g20
+    minors += g11 * g22 - g12 * g21
+    det3 = g00 * (g11 * g22 - g12 * g21)
+    det3 -= g01 * (g10 * g22 - g12 * g20)
+    det3 += g02 * (g10 * g21 - g11 * g20)
+    root = largest_root(-(g00 + g11 + g22), minors, -det3)
+    g00, g11, g22 = g00 - root, g11 - root, g22 - root
+    v0, v1, v2, best = crossed(g10, g11, g12, g20, g21, g22)
+    w0, w1, w2, norm = crossed(g20, g21, g22, g00, g01, g02)
+    if norm > best:
+        v0, v1, v2, best = w0, w1, w2, norm
+    w0, w1, w2, norm = crossed(g00, g01, g02, g10, g11, g12)
+    if norm > best:
+        v0, v1, v2 = w0, w1, w2
+    u = t00 * v0 + t01 * v1 + t02 * v2
+    v = t10 * v0 + t11 * v1 + t12 * v2
+    w = t20 * v0 + t21 * v1 + t22 * v2
     if not ellipse_of_conic(v0, v1, v2, u, v, w, out):
         return False
     out[0] = out[0] / scale + x0
@@ -178,21 +216,28 @@ def fit_moments(m: FloatArray, x0: float, y0: float, scale: float, out: FloatArr
 
 
 @kernel
+def offset_at(
+    dx: float, dy: float, cos: float, sin: float, flat: float, steep: float
+) -> tuple[float, float, float]:
+    """Return what `offset_of` does, (dx, dy) from the centre; 1 / a^2 and 1 / b^2 are given."""
+    u = dx * cos + dy * sin
+    v = dy * cos - dx * sin
+    gu = u * flat
+    gv = v * steep
+    inverse = 1.0 / (math.sqrt(gu * gu + gv * gv) + 1e-300)
+    distance = 0.5 * (u * gu + v * gv - 1.0) * inverse
+    gu *= inverse
+    gv *= inverse
+    return distance, gu * cos - gv * sin, gu * sin + gv * cos
+
+
+@kernel
 def offset_of(
     ellipse: FloatArray, cos: float, sin: float, x: float, y: float
 ) -> tuple[float, float, float]:
     """Return the signed distance of a point (Sampson) and the outward unit normal there."""
-    dx = x - ellipse[0]
-    dy = y - ellipse[1]
-    u = (dx * cos + dy * sin) / ellipse[2]
-    v = (dy * cos - dx * sin) / ellipse[3]
-    gu = u / ellipse[2]
-    gv = v / ellipse[3]
-    slope = math.sqrt(gu * gu + gv * gv) + 1e-300
-    distance = 0.5 * (u * u + v * v - 1.0) / slope
-    gu /= slope
-    gv /= slope
-    return distance, gu * cos - gv * sin, gu * sin + gv * cos
+    flat, steep = 1.0 / (ellipse[2] * ellipse[2]), 1.0 / (ellipse[3] * ellipse[3])
+    return offset_at(x - ellipse[0], y - ellipse[1], cos, sin, flat, steep)
 
 
 @kernel
@@ -236,26 +281,33 @@ def refit(
     row = np.empty(5)
     for _ in range(steps):
         cos, sin = math.cos(current[4]), math.sin(current[4])
-        a, b = current[2], current[3]
-        normal[:] = 0.0
-        right[:] = 0.0
-        for k in range(count):
-            dx = points[chosen[k], 0] - current[0]
-            dy = points[chosen[k], 1] - current[1]
-            u = (dx * cos + dy * sin) / a
-            v = (dy * cos - dx * sin) / b
-            slope = 4.0 * (u * u / (a * a) + v * v / (b * b)) + 1e-300
-            f = u * u + v * v - 1.0
-            ratio = f * f / (slope * width * width)
+        x0, y0, a, b = current[0], current[1], current[2], current[3]
+        ia, ib = 1.0 / a, 1.0 / b
+        narrow, common = 1.0 / (width * width), 1.0 / (a * b)
+        m40 = m31 = m22 = m13 = m04 = m30 = m21 = m12 = m03 = m20 = m11 = m02 = 0.0
+        r0 = r1 = r2 = r3 = r4 = 0.0
+        for k in range(count):  # scalars: an array is read and written for each point
+            dx, dy = points[chosen[k], 0] - x0, points[chosen[k], 1] - y0
+            u, v = (dx * cos + dy * sin) * ia, (dy * cos - dx * sin) * ib
+            uu, uv, vv = u * u, u * v, v * v
+            inverse = 1.0 / (4.0 * (uu * ia * ia + vv * ib * ib) + 1e-300)
+            f = uu + vv - 1.0
+            ratio = f * f * inverse * narrow
             if ratio >= 1.0:
                 continue
-            weight = (1.0 - ratio) * (1.0 - ratio) / (slope * a * b)
-            row[0], row[1], row[2], row[3], row[4] = u * u, u * v, v * v, u, v
-            for i in range(5):
-                wi = weight * row[i]
-                right[i] -= wi * f
-                for j in range(i + 1):
-                    normal[i, j] += wi * row[j]
+            weight = (1.0 - ratio) * (1.0 - ratio) * inverse * common
+            wuu, wuv, wvv, wf = weight * uu, weight * uv, weight * vv, weight * f
+            m40, m31, m22 = m40 + wuu * uu, m31 + wuu * uv, m22 + wuu * vv
+            m13, m04 = m13 + wuv * vv, m04 + wvv * vv
+            m30, m21, m12, m03 = m30 + wuu * u, m21 + wuu * v, m12 + wvv * u, m03 + wvv * v
+            m20, m11, m02 = m20 + wuu, m11 + wuv, m02 + wvv
+            r0, r1, r2, r3, r4 = r0 - wf * uu, r1 - wf * uv, r2 - wf * vv, r3 - wf * u, r4 - wf * v
+        normal[0, 0], normal[1, 0], normal[1, 1] = m40, m31, m22
+        normal[2, 0], normal[2, 1], normal[2, 2] = m22, m13, m04
+        normal[3, 0], normal[3, 1], normal[3, 2], normal[3, 3] = m30, m21, m12, m20
+        normal[4, 0], normal[4, 1], normal[4, 2] = m21, m12, m03
+        normal[4, 3], normal[4, 4] = m11, m02
+        right[0], right[1], right[2], right[3], right[4] = r0, r1, r2, r3, r4
         size = normal[0, 0] + normal[2, 2]
         for i in range(5):
             right[i] /= size
@@ -274,28 +326,3 @@ def refit(
         current[4] = (current[4] + row[4]) % math.pi
     ellipse[:] = current
     return True
-
-
-@kernel
-def refit_robustly(
-    points: FloatArray, chosen: IntArray, ellipse: FloatArray, max_size: float, min_size: float
-) -> float:
-    """Refit an ellipse in place with weights from the median distance; return their width.
-
-    A round that leaves the limits of the semi-axes is undone and the last.
-    """
-    distances = np.empty(len(chosen))
-    row = ellipse.copy()
-    width = 0.0
-    for _ in range(ROUNDS):
-        cos, sin = math.cos(row[4]), math.sin(row[4])
-        for k in range(len(chosen)):
-            d, _, _ = offset_of(row, cos, sin, points[chosen[k], 0], points[chosen[k], 1])
-            distances[k] = abs(d)
-        width = max(LEAST_WIDTH, TUKEY * MAD * np.median(distances))
-        if not refit(points, chosen, len(chosen), row, 2, width):
-            break
-        if row[2] > max_size or row[3] < min_size:
-            break
-        ellipse[:] = row
-    return width

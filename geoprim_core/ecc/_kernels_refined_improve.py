@@ -9,11 +9,12 @@ import numpy as np
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_fit import (
+    MAD,
+    TUKEY,
     add_point,
     fit_moments,
     offset_of,
     refit,
-    refit_robustly,
 )
 from geoprim_core.ecc._kernels_refined_support import (
     COVERED,
@@ -28,10 +29,13 @@ from geoprim_core.fitting._kernels_shape import perimeter_of
 LEAST_REACH = 0.7  # pixels
 BINS = 24  # of the distances that matter
 POLISHES = 2
+ROUNDS = 3  # of the robust refit at most
+SETTLED = 0.001  # pixels, by which a settled ellipse moves in a round
+LEAST_WIDTH = 0.5  # pixels, of the weights of the robust refit
 FIT_STEPS = 72.0  # as many places on the outline serve a fit
 LEAST_POINTS = 10
 REFITS = (1.0, 0.8, 1.0)  # reach of the three collections of support, in shares of the limit
-HOPE = (6.0, 2.0)  # evidence that the first and the second refit may still add
+HOPE = (6.0, 1.0)  # evidence that the first and the second refit may still add
 
 # Entries of the array of limits that `improve` and `verify` take.
 REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI, ENDS, SPREAD = range(9)
@@ -165,6 +169,37 @@ def improve(
         if not good or ellipse[3] < limits[MIN_SEMI] or ellipse[2] > limits[MAX_SIZE]:
             return 0
     return count
+
+
+@kernel
+def refit_robustly(
+    points: FloatArray, chosen: IntArray, ellipse: FloatArray, max_size: float, min_size: float
+) -> float:
+    """Refit an ellipse in place with weights from the median distance; return their width.
+
+    A round that leaves the limits of the semi-axes is undone and the last; one that moves the
+    ellipse by less than `SETTLED` is the last too.
+    """
+    distances = np.empty(len(chosen))
+    row = ellipse.copy()
+    width = 0.0
+    for _ in range(ROUNDS):
+        cos, sin = math.cos(row[4]), math.sin(row[4])
+        for k in range(len(chosen)):
+            d, _, _ = offset_of(row, cos, sin, points[chosen[k], 0], points[chosen[k], 1])
+            distances[k] = abs(d)
+        width = max(LEAST_WIDTH, TUKEY * MAD * np.median(distances))
+        if not refit(points, chosen, len(chosen), row, 2, width):
+            break
+        if row[2] > max_size or row[3] < min_size:
+            break
+        moved = 0.0
+        for k in range(4):
+            moved = max(moved, abs(row[k] - ellipse[k]))
+        ellipse[:] = row
+        if moved < SETTLED:
+            break
+    return width
 
 
 @kernel

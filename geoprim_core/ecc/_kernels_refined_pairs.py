@@ -8,7 +8,7 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import add_shifted, fit_moments, offset_of
+from geoprim_core.ecc._kernels_refined_common import fit_arcs, sample_arcs
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
 CLASS_RATIO = 1.5  # longest over shortest arc of one class of lengths
@@ -34,76 +34,6 @@ def sees(a: FloatArray, b: FloatArray, slack: float) -> bool:
             if inside < -slack:
                 return False
     return True
-
-
-@kernel
-def arc_rms(
-    points: FloatArray,
-    order: IntArray,
-    low: int,
-    high: int,
-    ellipse: FloatArray,
-    cos: float,
-    sin: float,
-    normal: FloatArray,
-) -> float:
-    """Return the root mean square distance of about 12 points of an arc to an ellipse.
-
-    Infinite when the arc bends away from the ellipse: `normal` is its inner normal amidst.
-    """
-    size = high - low
-    count = min(12, size)
-    mid = order[low + size // 2]
-    d, nx, ny = offset_of(ellipse, cos, sin, points[mid, 0], points[mid, 1])
-    if nx * normal[0] + ny * normal[1] > -0.9:
-        return math.inf
-    total = 0.0
-    for k in range(count):
-        # Backwards from the end in the second half: the same points whichever way the arc runs.
-        back = count - 1 - k
-        at = (min(k, back) * (size - 1)) // (count - 1)
-        p = order[low + (at if k <= back else size - 1 - at)]
-        d, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
-        total += d * d
-    return math.sqrt(total / count)
-
-
-@kernel
-def fit_arcs(
-    points: FloatArray,
-    order: IntArray,
-    ends: IntArray,
-    table: FloatArray,
-    moments: FloatArray,
-    i: int,
-    j: int,
-    max_rms: float,
-    max_size: float,
-    work: FloatArray,
-    ellipse: FloatArray,
-) -> float:
-    """Fit one arc (j < 0) or two; return the worse rms of both, infinite where they do not fit."""
-    x, y = table[i, 0], table[i, 1]
-    size = table[i, 19]
-    if j >= 0:
-        x, y = 0.5 * (x + table[j, 0]), 0.5 * (y + table[j, 1])
-        gap = math.hypot(table[i, 0] - x, table[i, 1] - y)
-        size = gap + max(size, table[j, 19])
-    scale = 1.0 / size
-    work[:] = 0.0
-    add_shifted(work, moments[i], table[i, 0] - x, table[i, 1] - y, scale)
-    if j >= 0:
-        add_shifted(work, moments[j], table[j, 0] - x, table[j, 1] - y, scale)
-    if not fit_moments(work, x, y, scale, ellipse):
-        return math.inf
-    if ellipse[2] > max_size or ellipse[3] < 2.0:
-        return math.inf
-    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    rms = arc_rms(points, order, ends[i], ends[i + 1], ellipse, cos, sin, table[i, 10:12])
-    if j >= 0 and rms < max_rms:
-        other = arc_rms(points, order, ends[j], ends[j + 1], ellipse, cos, sin, table[j, 10:12])
-        rms = max(rms, other)
-    return rms if rms < max_rms else math.inf
 
 
 @kernel
@@ -319,6 +249,7 @@ def pair_arcs(
     drift = 0.0
     for i in range(len(table)):
         drift = max(drift, math.hypot(table[i, 4] - table[i, 0], table[i, 5] - table[i, 1]))
+    samples = sample_arcs(points, order, ends)
     partners = np.empty(len(table), np.int64)
     work = np.empty(25)
     ellipse = np.empty(5)
@@ -334,8 +265,9 @@ def pair_arcs(
             j = partners[k] if k >= 0 else -1
             size = table[i, 18] + (table[j, 18] if j >= 0 else 0.0)
             rms = fit_arcs(
-                points, order, ends, table, moments, i, j, max_rms, max_size, work, ellipse
-            )
+                samples, table, moments, i, j, max_rms, max_size, size / min_share,
+                work, ellipse,
+            )  # fmt: skip
             if not rms < max_rms or size < min_share * perimeter_of(ellipse[2], ellipse[3]):
                 continue
             if found == len(arcs):

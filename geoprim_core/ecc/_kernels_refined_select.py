@@ -67,6 +67,21 @@ def is_twin(
 
 
 @kernel
+def sink(heap: IntArray, size: int, at: int, value: FloatArray) -> None:
+    """Restore a heap, greatest value first and of equals the first, below one entry."""
+    while 2 * at + 1 < size:
+        best = at
+        for child in range(2 * at + 1, min(2 * at + 3, size)):
+            i, j = heap[child], heap[best]
+            if value[i] > value[j] or (value[i] == value[j] and i < j):
+                best = child
+        if best == at:
+            return
+        heap[at], heap[best] = heap[best], heap[at]
+        at = best
+
+
+@kernel
 def select(
     head: Int32Array,
     following: Int32Array,
@@ -84,43 +99,48 @@ def select(
     """Choose greedily the ellipse with the strongest support that no chosen one has claimed.
 
     Strength is the unclaimed supported length, times the root of the coverage, less for scatter.
+    It only falls: in a heap only what comes to the top is looked at again.
     Returns the chosen in order, and what became of each ellipse.
     """
     count = len(ellipses)
     claimed = np.zeros(len(points), np.bool_)
     outcome = np.full(count, WEAK)
     strength = np.empty(count)
-    share = np.ones(count)
-    alive = np.empty(count, np.bool_)
+    heap = np.empty(count, np.int64)
+    size = 0
     for k in range(count):
-        alive[k] = figures[k, 0] >= min_evidence
         strength[k] = figures[k, 5] * math.sqrt(figures[k, 1]) / (1.0 + 2.0 * figures[k, 3])
+        if figures[k, 0] >= min_evidence and strength[k] > 0.0:
+            heap[size] = k
+            size += 1
+    value = strength.copy()
+    for at in range(size // 2 - 1, -1, -1):
+        sink(heap, size, at, value)
+    judged = np.full(count, -1)  # how many were chosen when an ellipse was looked at last
     chosen = np.empty(count, np.int64)
     found = 0
-    while True:
-        best = -1
-        best_value = 0.0
-        for k in range(count):
-            if not alive[k] or strength[k] * share[k] <= best_value:
-                continue
+    while size > 0:
+        k = heap[0]
+        if judged[k] == found:  # what is below can but have fallen: it is the strongest
+            outcome[k] = CHOSEN
+            chosen[found] = k
+            found += 1
+            claim(head, following, points, normals, ellipses[k], reach, claimed)
+        else:
             free = 0
             for s in range(offsets[k], offsets[k + 1]):
                 if not claimed[support[s]]:
                     free += 1
-            share[k] = free / (offsets[k + 1] - offsets[k])
-            if share[k] < least:
-                alive[k] = False
+            share = free / (offsets[k + 1] - offsets[k])
+            if share < least:
                 outcome[k] = CLAIMED
             elif is_twin(ellipses, chosen, found, k, most):
-                alive[k] = False
                 outcome[k] = TWIN
-            elif strength[k] * share[k] > best_value:
-                best, best_value = k, strength[k] * share[k]
-        if best < 0:
-            break
-        alive[best] = False
-        outcome[best] = CHOSEN
-        chosen[found] = best
-        found += 1
-        claim(head, following, points, normals, ellipses[best], reach, claimed)
+            else:
+                judged[k] = found
+                value[k] = strength[k] * share
+        if outcome[k] != WEAK:
+            size -= 1
+            heap[0] = heap[size]
+        sink(heap, size, 0, value)
     return chosen[:found].copy(), outcome

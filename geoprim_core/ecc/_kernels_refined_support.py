@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_of
+from geoprim_core.ecc._kernels_refined_fit import offset_at
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
 Int32Array = npt.NDArray[np.int32]
@@ -52,6 +52,29 @@ def arcs_of_points(order: IntArray, ends: IntArray, total: int) -> IntArray:
 
 
 @kernel
+def has_direction(
+    head: Int32Array,
+    following: Int32Array,
+    normals: FloatArray,
+    px: int,
+    py: int,
+    nx: float,
+    ny: float,
+    polarity: int,
+) -> bool:
+    """Tell whether one of the nine pixels around a place has an edge with the normal (nx, ny)."""
+    for y in range(py - 1, py + 2):
+        for x in range(px - 1, px + 2):
+            p = head[y, x]
+            while p >= 0:
+                dot = -(nx * normals[p, 0] + ny * normals[p, 1])
+                if abs(dot) > 0.9 and (polarity == 0 or dot * polarity > 0.0):
+                    return True
+                p = following[p]
+    return False
+
+
+@kernel
 def probe(
     head: Int32Array,
     following: Int32Array,
@@ -75,15 +98,7 @@ def probe(
         gu, gv = b * PROBE_COS[k], a * PROBE_SIN[k]
         norm = math.sqrt(gu * gu + gv * gv)
         nx, ny = (gu * cos - gv * sin) / norm, (gu * sin + gv * cos) / norm
-        hit = False
-        for y in range(py - 1, py + 2):
-            for x in range(px - 1, px + 2):
-                p = head[y, x]
-                while p >= 0 and not hit:
-                    dot = -(nx * normals[p, 0] + ny * normals[p, 1])
-                    hit = abs(dot) > 0.9 and (polarity == 0 or dot * polarity > 0.0)
-                    p = following[p]
-        if hit:
+        if has_direction(head, following, normals, px, py, nx, ny, polarity):
             hits += 1
     return hits / inside if inside > 0 else 0.0
 
@@ -95,6 +110,42 @@ def turned(cos: float, sin: float, angle: float) -> tuple[float, float]:
     grow = 1.0 / (1.0 + half * half)
     cd, sd = (1.0 - half * half) * grow, 2.0 * half * grow
     return cos * cd - sin * sd, sin * cd + cos * sd
+
+
+@kernel
+def middle_of_step(
+    ct: float, st: float, a: float, b: float, stride: float
+) -> tuple[float, float, float]:
+    """Return cosine and sine of the parameter amidst the step from a place, and its length."""
+    dt = min(0.5, stride / math.sqrt(a * a * st * st + b * b * ct * ct))
+    mid_ct, mid_st = turned(ct, st, 0.5 * dt)
+    dt = min(0.5, stride / math.sqrt(a * a * mid_st * mid_st + b * b * mid_ct * mid_ct))
+    mid_ct, mid_st = turned(ct, st, 0.5 * dt)
+    return mid_ct, mid_st, dt
+
+
+@kernel
+def outline_of(a: float, b: float, stride: float) -> FloatArray:
+    """Return cosine and sine of the parameters of places about `stride` pixels apart, in order.
+
+    The four quarters mirror each other, so that no direction of the walk is preferred.
+    """
+    count = 0
+    ct, st = 1.0, 0.0
+    while ct > 0.0:
+        _, _, dt = middle_of_step(ct, st, a, b, stride)
+        ct, st = turned(ct, st, dt)
+        count += 1
+    places = np.empty((4 * count, 2))
+    ct, st = 1.0, 0.0
+    for k in range(count):
+        c, s, dt = middle_of_step(ct, st, a, b, stride)
+        ct, st = turned(ct, st, dt)
+        places[k, 0], places[k, 1] = c, s
+        places[2 * count - 1 - k, 0], places[2 * count - 1 - k, 1] = -c, s
+        places[2 * count + k, 0], places[2 * count + k, 1] = -c, -s
+        places[4 * count - 1 - k, 0], places[4 * count - 1 - k, 1] = c, -s
+    return places
 
 
 @kernel
@@ -123,7 +174,8 @@ def collect(
     """
     height, width = head.shape
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    a, b = ellipse[2], ellipse[3]
+    x0, y0, a, b = ellipse[0], ellipse[1], ellipse[2], ellipse[3]
+    flat, steep = 1.0 / (a * a), 1.0 / (b * b)
     count = 0
     sums[:] = 0.0
     ct, st, mid_ct, mid_st, turn = 1.0, 0.0, 1.0, 0.0, 0.0
@@ -133,16 +185,13 @@ def collect(
         if side == 0:  # a step on in the first quarter; the other quarters are its mirror images
             if ct <= 0.0:
                 break
-            dt = min(0.5, stride / math.sqrt(a * a * st * st + b * b * ct * ct))
-            mid_ct, mid_st = turned(ct, st, 0.5 * dt)
-            dt = min(0.5, stride / math.sqrt(a * a * mid_st * mid_st + b * b * mid_ct * mid_ct))
-            mid_ct, mid_st = turned(ct, st, 0.5 * dt)
+            mid_ct, mid_st, dt = middle_of_step(ct, st, a, b, stride)
             ct, st = turned(ct, st, dt)
             turn = a * b * dt / (a * a * mid_st * mid_st + b * b * mid_ct * mid_ct)
         u = a * mid_ct if side % 2 == 0 else -a * mid_ct
         v = b * mid_st if side < 2 else -b * mid_st
-        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
-        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
+        px = int(math.floor(x0 + u * cos - v * sin + 0.5))
+        py = int(math.floor(y0 + u * sin + v * cos + 0.5))
         sums[STEPS] += 1.0
         if px < 1 or py < 1 or px > width - 2 or py > height - 2:
             continue
@@ -154,7 +203,8 @@ def collect(
                 p = head[y, x]
                 while p >= 0:
                     if stamp[p] != mark and stamp[p] != -mark:
-                        d, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
+                        dx, dy = points[p, 0] - x0, points[p, 1] - y0
+                        d, nx, ny = offset_at(dx, dy, cos, sin, flat, steep)
                         dot = -(nx * normals[p, 0] + ny * normals[p, 1])
                         stamp[p] = -mark
                         if abs(dot) < ACROSS:

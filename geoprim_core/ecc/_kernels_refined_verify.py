@@ -8,7 +8,11 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_ends import continuing_share, unexplained_share
+from geoprim_core.ecc._kernels_refined_ends import (
+    continuing_share,
+    neighbours_of,
+    unexplained_share,
+)
 from geoprim_core.ecc._kernels_refined_improve import (
     ENDS,
     GROWTH,
@@ -86,7 +90,7 @@ def describe(
     head: Int32Array,
     following: Int32Array,
     normals: FloatArray,
-    contour: IntArray,
+    links: IntArray,
     ellipse: FloatArray,
     sums: FloatArray,
     chosen: IntArray,
@@ -108,8 +112,9 @@ def describe(
     growth = 1.0 + limits[GROWTH] * ellipse[3]
     evidence = support_evidence(sums, count, row[5], ellipse, growth)
     if limits[ENDS] > 0.0 and evidence >= least:  # else it is too weak already
-        row[6] = continuing_share(contour, stamp, mark, chosen, count)
-        row[7] = unexplained_share(head, following, normals, ellipse, stamp, mark)
+        row[6] = continuing_share(links, stamp, mark, chosen, count)
+        if evidence - limits[ENDS] * doubt_of_ends(share, row[6], 0.0) >= least:
+            row[7] = unexplained_share(head, following, normals, ellipse, stamp, mark)
         evidence -= limits[ENDS] * doubt_of_ends(share, row[6], row[7])
     row[0] = evidence - doubt_of_clutter(share, row[4])
     return float(evidence)
@@ -152,6 +157,7 @@ def verify(
     offsets = np.zeros(room + 1, np.int64)
     support = np.empty(4 * total + 1, np.int64)
     arc_of = arcs_of_points(order, ends, total)
+    links = neighbours_of(points, contour)
     owners = np.empty((len(ends), SLOTS), np.int64)
     counts = np.zeros((4, len(ends)), np.int64)
     owned, taken, tally, tries = counts[0], counts[1], counts[2], counts[3]
@@ -186,7 +192,7 @@ def verify(
             tries[max(i, j)] += 1 if j > i else 0
             continue
         evidence = describe(
-            head, following, normals, contour, ellipse, sums, chosen, count, stamp,
+            head, following, normals, links, ellipse, sums, chosen, count, stamp,
             8 * walked + 2, limits, polish, figures[found],
         )  # fmt: skip
         if evidence >= polish:
@@ -197,7 +203,7 @@ def verify(
             if count < LEAST_POINTS or near_copy(ellipses, found, ellipse):
                 continue
             describe(
-                head, following, normals, contour, ellipse, sums, chosen, count, stamp,
+                head, following, normals, links, ellipse, sums, chosen, count, stamp,
                 8 * walked + 2 + POLISHES, limits, polish, figures[found],
             )  # fmt: skip
         used = offsets[found]

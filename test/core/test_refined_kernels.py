@@ -151,16 +151,58 @@ def upper_half(count=120):
     return circle[:2] + 30 * normals, normals, circle
 
 
+def continuing(points, contour, stamp):
+    """Return the share of ends at which a contour goes on, of the points that are stamped."""
+    chosen = np.flatnonzero(stamp)
+    links = ends.neighbours_of(points, contour)
+    return ends.continuing_share(links, stamp, 1, chosen, len(chosen))
+
+
 def test_a_contour_that_goes_on_elsewhere_is_told_from_one_that_ends():
-    tail = 20
-    stamp = np.ones(100 + tail, np.int64)
+    points = np.stack([np.arange(120.0), np.zeros(120)], axis=1)
+    stamp = np.ones(120, np.int64)
     stamp[100:] = 0
-    chosen = np.arange(100)
-    one, two = np.zeros(100 + tail, np.int64), np.repeat([0, 1], [100, tail])
-    assert ends.continuing_share(one, stamp, 1, chosen, 100) == 0.5
-    assert ends.continuing_share(two, stamp, 1, chosen, 100) == 0.0
+    one, two = np.zeros(120, np.int64), np.repeat([0, 1], [100, 20])
+    assert continuing(points, one, stamp) == 0.5
+    assert continuing(points, two, stamp) == 0.0
     stamp[103] = 1  # a few points off the outline are no end
-    assert ends.continuing_share(one[:104], stamp[:104], 1, np.r_[chosen, 103], 101) == 0.0
+    assert continuing(points[:104], one[:104], stamp[:104]) == 0.0
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 239), st.booleans(), st.integers(20, 200))
+def test_the_ends_do_not_depend_on_where_a_closed_contour_starts(start, back, supported):
+    t = np.linspace(0, 2 * np.pi, 240, endpoint=False)
+    points = 50 + 30 * np.stack([np.cos(t), np.sin(t)], axis=1)
+    stamp = (np.arange(240) < supported).astype(np.int64)
+    order = np.roll(np.arange(240), start)[:: -1 if back else 1]
+    assert continuing(points[order], np.zeros(240, np.int64), stamp[order]) == 1.0
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([(-1, 1), (1, -1), (-1, -1)]))
+def test_gaps_and_crossings_are_the_same_in_a_mirrored_image(seed, signs):
+    generator = np.random.default_rng(seed)
+    width, height = 120, 100
+    ellipse = np.array([58.3, 47.2, 36.4, 21.9, generator.uniform(0.05, 3.0)])
+    points = generator.uniform(2, [width - 3, height - 3], (400, 2))
+    angle = generator.uniform(0, 2 * np.pi, 400)
+    normals = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    figures = []
+    for sx, sy in ((1, 1), signs):
+        origin = np.array([width - 1 if sx < 0 else 0, height - 1 if sy < 0 else 0])
+        places, across = origin + points * (sx, sy), normals * (sx, sy)
+        turn = ellipse[4] if sx == sy else np.pi - ellipse[4]
+        image = np.array([*(origin + ellipse[:2] * (sx, sy)), *ellipse[2:4], turn])
+        head, following = support.index_points(places, width, height)
+        stamp = (np.arange(400) < 60).astype(np.int64)
+        gaps = ends.unexplained_share(head, following, across, image, stamp, 1)
+        claimed = np.zeros(400, bool)
+        count = clutter.count_crossings(
+            head, following, places, across, image, claimed, np.zeros(400, np.int64), 1
+        )
+        figures.append((gaps, count))
+    assert figures[0] == figures[1]
 
 
 def test_an_edge_across_the_end_of_a_gap_explains_it():

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geoprim_core.ecc import _kernels_refined_common as common
 from geoprim_core.ecc import _kernels_refined_pairs as pairs
 from geoprim_core.ecc.refined import trace_refined
 from geoprim_core.ecc.refined_arcs import gather_edges, split_arcs
@@ -50,6 +51,7 @@ def all_pairs(edges, arcs, params):
     """Return arcs -> (rank, ellipse) of all candidates, by trying every pair."""
     table, found = arcs.table, {}
     ellipse, work = np.empty(5), np.empty(25)
+    samples = common.sample_arcs(edges.points, arcs.indices, arcs.offsets)
     signed = edges.signed and params.same_polarity
     for i in range(len(table)):
         for j in range(i, len(table)):
@@ -62,10 +64,10 @@ def all_pairs(edges, arcs, params):
                 slack = params.region_slack
                 if not (pairs.sees(a, b, slack) and pairs.sees(b, a, slack)):
                     continue
-            rms = pairs.fit_arcs(
-                edges.points, arcs.indices, arcs.offsets, table, arcs.moments, i,
+            rms = common.fit_arcs(
+                samples, table, arcs.moments, i,
                 j if j > i else -1, params.max_pair_rms, params.max_size * edges.diagonal,
-                work, ellipse,
+                np.inf, work, ellipse,
             )  # fmt: skip
             outline = perimeter_of(ellipse[2], ellipse[3])
             if rms < params.max_pair_rms and size >= params.min_pair_share * outline:

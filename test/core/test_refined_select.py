@@ -1,0 +1,69 @@
+"""The selection of the `refined` scheme against the plain greedy choice that it stands for."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from geoprim_core.ecc import _kernels_refined_select as select
+from geoprim_core.ecc import _kernels_refined_support as support
+
+SIZE = 120
+REACH, LEAST, MOST, WEAKEST = 1.5, 0.6, 0.8, 0.0
+
+
+def drawn(seed, count):
+    """Return edge points on `count` ellipses, some of them near copies, and their support."""
+    generator = np.random.default_rng(seed)
+    rows = generator.uniform([30, 30, 12, 8, 0], [90, 90, 28, 12, 3], (count, 5))
+    rows[1::3] = rows[: 3 * len(rows[1::3]) : 3] + generator.normal(0, 0.4, (len(rows[1::3]), 5))
+    rows[:, 2:4] = np.sort(rows[:, 2:4], axis=1)[:, ::-1]
+    rows[:, 4] %= np.pi
+    t = np.linspace(0, 2 * np.pi, 90, endpoint=False)
+    points, normals = [], []
+    for x, y, a, b, angle in rows:
+        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        points.append([x, y] + np.stack([a * np.cos(t), b * np.sin(t)], axis=1) @ turn)
+        across = np.stack([b * np.cos(t), a * np.sin(t)], axis=1) @ turn
+        normals.append(across / np.hypot(*across.T)[:, None])
+    figures = np.zeros((count, 8))
+    figures[:, 0] = generator.uniform(-0.5, 4, count)
+    figures[:, 1] = generator.choice([0.5, 0.7, 1.0], count)
+    figures[:, 5] = generator.choice([60.0, 80.0, 100.0], count)  # ties
+    offsets = np.arange(count + 1) * 90
+    return np.concatenate(points), np.concatenate(normals), rows, figures, offsets
+
+
+def plain(head, following, points, normals, rows, figures, offsets, members):
+    """Choose the strongest, look at every other again, and so on."""
+    strength = figures[:, 5] * np.sqrt(figures[:, 1]) / (1 + 2 * figures[:, 3])
+    alive = figures[:, 0] >= WEAKEST
+    claimed = np.zeros(len(points), bool)
+    chosen = []
+    while True:
+        value = np.zeros(len(rows))
+        for k in np.flatnonzero(alive):
+            share = np.mean(~claimed[members[offsets[k] : offsets[k + 1]]])
+            taken = np.array(chosen, np.int64)
+            alive[k] = share >= LEAST and not select.is_twin(rows, taken, len(taken), k, MOST)
+            value[k] = strength[k] * share if alive[k] else 0.0
+        if not alive.any():
+            return chosen
+        best = int(np.argmax(value))
+        alive[best] = False
+        chosen.append(best)
+        select.claim(head, following, points, normals, rows[best], REACH, claimed)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 40))
+def test_the_heap_chooses_what_the_plain_greedy_selection_does_in_its_order(seed, count):
+    points, normals, rows, figures, offsets = drawn(seed, count)
+    head, following = support.index_points(points, SIZE, SIZE)
+    members = np.arange(len(points))
+    given_to_both = (head, following, points, normals, rows, figures, offsets, members)
+    chosen, outcome = select.select(*given_to_both, WEAKEST, REACH, LEAST, MOST)
+    assert chosen.tolist() == plain(*given_to_both)
+    assert np.flatnonzero(outcome == select.CHOSEN).tolist() == sorted(chosen.tolist())
+    assert np.array_equal(outcome == select.WEAK, figures[:, 0] < WEAKEST)
