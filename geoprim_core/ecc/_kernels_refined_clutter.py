@@ -17,7 +17,7 @@ from geoprim_core.ecc._kernels_refined_support import (
     outline_of,
 )
 
-UNEXPLAINED = 38.0  # evidence lost for each unexplained crossing point a supporting one
+UNEXPLAINED = 60.0  # evidence lost for one unexplained crossing point a supporting one
 
 
 @kernel
@@ -71,8 +71,8 @@ def explain_crossings(
 ) -> FloatArray:
     """Return the figures with the crossing points that no accepted ellipse claims.
 
-    Their evidence changes: what accepted ellipses explain is no clutter, what is left is. An
-    ellipse whose evidence is below `least` without any clutter is left as it is.
+    Their evidence changes: what accepted ellipses explain is no clutter, what is left is, in
+    proportion to the unsupported rest of the outline. An ellipse whose evidence is below `least` without any clutter is left as it is.
     """
     claimed = np.zeros(len(points), np.bool_)
     stamp = np.zeros(len(points), np.int64)
@@ -81,7 +81,8 @@ def explain_crossings(
     result = figures.copy()
     for k in range(len(ellipses)):
         row = result[k]
-        evidence = row[0] + doubt_of_clutter(min(row[1], row[2]), row[4])
+        share = min(row[1], row[2])
+        evidence = row[0] + doubt_of_clutter(share, row[4])
         if evidence < least:
             continue
         if row[4] > 0.0:
@@ -89,5 +90,5 @@ def explain_crossings(
                 head, following, points, normals, ellipses[k], claimed, stamp, k + 1
             )
             row[4] = left / (offsets[k + 1] - offsets[k])
-        row[0] = evidence - UNEXPLAINED * row[4]
+        row[0] = evidence - UNEXPLAINED * (1.0 - share) * row[4]
     return result

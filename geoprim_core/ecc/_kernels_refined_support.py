@@ -243,11 +243,13 @@ def evidence_of(
     may be `growth` times as long as on a small ellipse, and of `slant` radians; a share `outside`
     lies beyond the image. Close alignment over a length is what chance does not give: an edge
     point at random is as near with a probability in proportion to both scatters, so that their
-    logarithms count for each pixel. The rest of the outline is extrapolated: the scatter counts
-    in proportion to it. The weights, here and below, are those of a logistic regression.
+    logarithms count for each pixel. The rest of the outline is extrapolated: the scatter, and
+    what lies beyond the image, count in proportion to it. The weights, here and below, are those
+    of a logistic regression.
     """
     aligned = math.log(2.0 / (rms + 0.05)) - math.log(slant + 0.03)
-    doubt = 16.0 * (1.0 - share) * rms / growth + 90.0 * rms / semi_minor + 11.5 * outside
+    extrapolated = 16.0 * rms / growth + 30.0 * outside
+    doubt = (1.0 - share) * extrapolated + 90.0 * rms / semi_minor
     return 3.7 * math.log(1.0 + length * max(aligned, 0.1)) - doubt - 17.7
 
 
