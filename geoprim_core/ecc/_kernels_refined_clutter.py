@@ -72,7 +72,8 @@ def explain_crossings(
     """Return the figures with the crossing points that no accepted ellipse claims.
 
     Their evidence changes: what accepted ellipses explain is no clutter, what is left is, in
-    proportion to the unsupported rest of the outline. An ellipse whose evidence is below `least` without any clutter is left as it is.
+    proportion to the unsupported rest of the outline. An ellipse whose evidence is below `least`
+    without any clutter is left as it is.
     """
     claimed = np.zeros(len(points), np.bool_)
     stamp = np.zeros(len(points), np.int64)

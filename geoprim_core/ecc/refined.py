@@ -234,7 +234,7 @@ def refit_chosen(
     """Refit the chosen ellipses to their support and describe them, best first.
 
     Robust least squares of the orthogonal (Sampson) distances, after what the edge stage's blur
-    has shrunk is undone (`edge_spread`), without the points beside gaps of the support, where what
+    has shrunk is undone (`undo_blur`), without the points beside gaps of the support, where what
     hides the outline also bends its edge. The covariance follows from the scatter of the distances
     at low frequencies along the outline and the doubt about a blur of the picture itself. It holds
     to first order for x, y, the mean of the semi-axes and half their difference times the cosine
@@ -257,7 +257,7 @@ def refit_chosen(
         best,
         params.max_size * edges.diagonal,
         params.min_semi_minor,
-        params.edge_spread if edges.located else 0.0,
+        edges.spread if params.undo_blur else 0.0,
     )
     return EllipseDetections(
         Ellipses.from_array(rows),

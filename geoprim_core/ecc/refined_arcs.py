@@ -15,6 +15,8 @@ from geoprim_core.ecc._kernels_refined_support import Int32Array, index_points
 from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.types import Contours
 
+SOBEL_VARIANCE = 0.5  # of the Sobel filter as a blur, in square pixels
+
 _LONG = 30  # points of a contour; on shorter ones noise decides
 
 
@@ -39,8 +41,9 @@ class EdgePoints:
     signed : bool
         False where the sign of the gradient means nothing: in line drawings, and when the
         contours carry no gradient.
-    located : bool
-        True where the points are the steepest places of an image, to a fraction of a pixel.
+    spread : float
+        Variance of the smoothing of the image in square pixels, that of the Sobel filter
+        included; 0 where it is not known or the points are not the steepest places of an image.
     """
 
     points: FloatArray
@@ -50,7 +53,7 @@ class EdgePoints:
     following: Int32Array
     stroke: FloatArray
     signed: bool
-    located: bool
+    spread: float
 
     @property
     def diagonal(self) -> float:
@@ -107,10 +110,11 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     if stroke.any():
         points = points + shifts[:, np.newaxis] * normals
         head, following = index_points(points, width, height)
-    located = signed and contours.subpixel is not None
+    located = signed and contours.subpixel is not None and not math.isnan(contours.blur)
+    spread = contours.blur**2 + SOBEL_VARIANCE if located else 0.0
     contour = np.repeat(np.arange(len(contours)), np.diff(contours.offsets))
     signed = signed and 2 * int(np.count_nonzero(stroke)) <= len(points)
-    return EdgePoints(points, normals, contour, head, following, 2.0 * shifts, signed, located)
+    return EdgePoints(points, normals, contour, head, following, 2.0 * shifts, signed, spread)
 
 
 def _stroke_widths(gaps: FloatArray, offsets: IntArray, params: RefinedParams) -> FloatArray:

@@ -145,10 +145,4 @@ class RefinedParams(Params):
     min_score: float = option(
         0.75, "acceptance: least probability of being right", low=0.0, high=1.0
     )
-    edge_spread: float = option(
-        1.0,
-        "refit: variance of the edge stage's blur (sigma^2 + 0.5), whose shrinkage is undone",
-        unit="px^2",
-        low=0.0,
-        high=25.0,
-    )
+    undo_blur: bool = option(True, "refit: undo what the edge stage's blur has shrunk")

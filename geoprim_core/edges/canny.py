@@ -117,13 +117,14 @@ def image_gradient(
 
 def steady_gradient(
     image: AnyArray, params: EdgeParams
-) -> tuple[Float32Array, Float32Array, Float32Array, GradientLevels]:
+) -> tuple[Float32Array, Float32Array, Float32Array, GradientLevels, float]:
     """Return the gradient as `image_gradient`, of an image blurred more where it is noisy.
 
     The standard deviation of the gradient's noise falls with the variance of the blur (that of
     the Sobel filter is 1/2), the height of an edge only with its root. So the blur grows until
     the noise is a share `noise_share` of the typical gradient, or to `noise_sigma`. An image with
-    less noise than that keeps its blur. What is known of the magnitudes comes fourth.
+    less noise than that keeps its blur. What is known of the magnitudes comes fourth, the standard
+    deviation of the blur last.
 
     References
     ----------
@@ -133,11 +134,11 @@ def steady_gradient(
     levels = gradient_levels(values, params)
     growth = _noise_share(image, levels, params) / params.noise_share
     if not growth > 1.0:
-        return dx, dy, values, levels
+        return dx, dy, values, levels, params.sigma
     variance = growth**2 * (params.sigma**2 + _SOBEL_VARIANCE) - _SOBEL_VARIANCE
     sigma = min(params.noise_sigma, math.sqrt(variance))
     dx, dy, values = image_gradient(image, replace(params, sigma=sigma))
-    return dx, dy, values, gradient_levels(values, params)
+    return dx, dy, values, gradient_levels(values, params), sigma
 
 
 def _noise_share(image: AnyArray, levels: GradientLevels, params: EdgeParams) -> float:

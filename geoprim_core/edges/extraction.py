@@ -86,11 +86,11 @@ def trace_edges(image: AnyArray, params: EdgeParams | None = None) -> EdgeTrace:
     params = as_params(params, EdgeParams)
     image = _check.image(image)
     gray = to_gray(image, equalise=params.equalise)
-    dx, dy, values, levels = steady_gradient(image, params)
+    dx, dy, values, levels, blur = steady_gradient(image, params)
     flat, low, high = find_edges(dx, dy, values, params, levels)
     edges = np.zeros(dx.shape, np.bool_)
     edges.ravel()[flat] = True
-    pixels = locate_pixels(flat, dx, dy)
+    pixels = locate_pixels(flat, dx, dy, blur)
     contours = TABLE[params.linking].function(pixels, params=params)
     return EdgeTrace(gray, dx, dy, low, high, edges, contours)
 
@@ -141,7 +141,7 @@ def extract_contours(image: AnyArray, params: EdgeParams | None = None) -> Conto
 
 def _find_pixels(image: AnyArray, params: EdgeParams) -> EdgePixels:
     """Return the edge pixels; the full-size intermediates are freed before the linking."""
-    dx, dy, values, levels = steady_gradient(_check.image(image), params)
+    dx, dy, values, levels, blur = steady_gradient(_check.image(image), params)
     flat, _, _ = find_edges(dx, dy, values, params, levels)
     del values
-    return locate_pixels(flat, dx, dy)
+    return locate_pixels(flat, dx, dy, blur)

@@ -34,12 +34,15 @@ class EdgePixels:
     table : (N, 4) float32
         From the pixel to the edge (x, y), in multiples of 1/256 px, within half a pixel; unit
         vector (x, y) of the grey-level gradient, from dark to bright.
+    blur : float
+        Standard deviation of the Gaussian blur before the gradient in pixels; NaN: not known.
     """
 
     x: Int32Array
     y: Int32Array
     index: UInt32Array
     table: Float32Array
+    blur: float = float("nan")
 
     @property
     def image_size(self) -> tuple[int, int]:
@@ -48,7 +51,9 @@ class EdgePixels:
         return width - _kernels_pixels.MARGIN, height - _kernels_pixels.MARGIN
 
 
-def locate_pixels(flat: UInt32Array, dx: Float32Array, dy: Float32Array) -> EdgePixels:
+def locate_pixels(
+    flat: UInt32Array, dx: Float32Array, dy: Float32Array, blur: float = float("nan")
+) -> EdgePixels:
     """Return the edge pixels at rising flat indices with the position and direction of the edge.
 
     References
@@ -60,7 +65,7 @@ def locate_pixels(flat: UInt32Array, dx: Float32Array, dy: Float32Array) -> Edge
     margin = _kernels_pixels.MARGIN
     index = np.empty((height + margin, width + margin), np.uint32)
     x, y, table = _kernels_pixels.locate(flat, dx, dy, index)
-    return EdgePixels(x, y, index, table)
+    return EdgePixels(x, y, index, table, blur)
 
 
 def link_by_direction(pixels: EdgePixels, *, params: EdgeParams) -> Contours:
@@ -115,4 +120,5 @@ def _contours(
         image_size=pixels.image_size,
         subpixel=fine if params.subpixel else None,
         gradient_angle=tilt,
+        blur=pixels.blur,
     )

@@ -116,7 +116,7 @@ DEPARTURES = (
     ),
     Departure(
         "blur's shrinkage undone",
-        {"ecc.refined.edge_spread": 0.0},
+        {"ecc.refined.undo_blur": False},
         "a blurred edge lies inside the curve by half its variance times the curvature",
     ),
 )

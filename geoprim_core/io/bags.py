@@ -19,103 +19,44 @@ from __future__ import annotations
 
 import heapq
 import os
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import cache
 from itertools import chain, pairwise
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from mcap.records import Channel, Message, Schema
 from rosbags.typesys.store import Typestore
 
-from geoprim_core._check import AnyArray
-from geoprim_core.errors import BagError, InputError
+from geoprim_core.errors import BagError
 from geoprim_core.io.bag_folder import open_files
+from geoprim_core.io.bag_messages import (
+    IMAGE_TYPES,
+    BagImage,
+    BagMessage,
+    BagRecord,
+    Topic,
+    bag_image,
+)
 from geoprim_core.io.bag_writer import BagWriter
 from geoprim_core.io.definitions import message_texts, new_typestore, split_schema, typestore
-from geoprim_core.io.image_message import image_from_message
 from geoprim_core.io.losses import Losses
 from geoprim_core.io.mcap_file import Found, McapFile
-from geoprim_core.io.record import stamp_of
 
-__all__ = ["BagImage", "BagMessage", "BagReader", "BagWriter", "Losses", "Topic", "bag_image"]
+__all__ = [
+    "IMAGE_TYPES",
+    "BagImage",
+    "BagMessage",
+    "BagReader",
+    "BagRecord",
+    "BagWriter",
+    "Losses",
+    "Topic",
+    "bag_image",
+]
 
-IMAGE_TYPES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 _ANY_TIME = 1 << 64  # log times are unsigned 64-bit numbers
-
-
-@dataclass(frozen=True)
-class Topic:
-    """A topic of a bag: name, full message type, number of messages."""
-
-    name: str
-    type: str
-    count: int
-
-
-@dataclass(frozen=True)
-class BagMessage:
-    """A message of a bag.
-
-    Attributes
-    ----------
-    topic, type : str
-    log_time_ns : int
-    raw : bytes
-        CDR bytes as they stand in the bag.
-    definition : str
-        Schema text of the type; empty where the bag has none.
-    doubt : str
-        Why its bytes, its topic or its type may be wrong; empty when nothing speaks against them.
-    encoding : str
-        How the bytes are to be read, as the bag says.
-    """
-
-    topic: str
-    type: str
-    log_time_ns: int
-    raw: bytes
-    definition: str
-    decoder: Callable[[], Any]
-    doubt: str = ""
-    encoding: str = "cdr"
-
-    @cached_property
-    def decoded(self) -> Any:
-        """The message with its fields as attributes; damaged bytes raise `BagError`."""
-        return self.decoder()
-
-
-class BagRecord(NamedTuple):
-    """A message of a bag with the records that describe it, and why it may be wrong."""
-
-    channel: Channel
-    schema: Schema | None
-    message: Message
-    doubt: str
-
-
-@dataclass(frozen=True, eq=False)
-class BagImage:
-    """An image of a bag, or None and the reason why it cannot be used.
-
-    Attributes
-    ----------
-    image : (H, W) or (H, W, 3) array in BGR order, or None
-    reason : str
-        Empty when there is an image.
-    stamp_ns : int
-        Stamp of the header; the log time where the header cannot be read.
-    frame_id : str
-    log_time_ns : int
-    """
-
-    image: AnyArray | None
-    reason: str
-    stamp_ns: int
-    frame_id: str
-    log_time_ns: int
 
 
 class BagReader:
@@ -350,15 +291,3 @@ class BagReader:
 def _standard() -> Typestore:
     """Return the types of ROS 2 Jazzy alone."""
     return new_typestore({})
-
-
-def bag_image(message: BagMessage) -> BagImage:
-    """Return the image of a message of a bag, or None in it and the reason."""
-    stamp, frame = message.log_time_ns, ""
-    try:
-        decoded = message.decoded
-        stamp, frame = stamp_of(decoded), str(decoded.header.frame_id)
-        image = image_from_message(decoded)
-    except (BagError, InputError) as error:
-        return BagImage(None, str(error), stamp, frame, message.log_time_ns)
-    return BagImage(image, "", stamp, frame, message.log_time_ns)

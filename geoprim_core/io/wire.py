@@ -117,6 +117,7 @@ def _contour_fields(contours: Contours) -> dict[str, Any]:
         "closed": contours.closed.astype(np.uint8),
         "subpixel": _float32(contours.subpixel),
         "gradient_angle": _float32(contours.gradient_angle),
+        "blur": contours.blur,
     }
 
 
@@ -207,6 +208,7 @@ def _read_contours(message: Any) -> Contours:
         _image_size(message),
         subpixel if len(subpixel) else None,
         angle if len(angle) else None,
+        float(message.blur),
     )
 
 

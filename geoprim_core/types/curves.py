@@ -42,6 +42,8 @@ class Contours(Frozen):
         Edge position of every pixel, within half a pixel of it.
     gradient_angle : (N,) float64 or None
         Direction of the grey-level gradient at every pixel, from dark to bright, in radians.
+    blur : float
+        Standard deviation in pixels of the Gaussian blur before the gradient; NaN: not known.
     """
 
     points: FloatArray
@@ -50,6 +52,7 @@ class Contours(Frozen):
     image_size: tuple[int, int] | None = None
     subpixel: FloatArray | None = None
     gradient_angle: FloatArray | None = None
+    blur: float = float("nan")
 
     def __post_init__(self) -> None:
         points = _check.points(self.points)
@@ -65,6 +68,9 @@ class Contours(Frozen):
         if self.gradient_angle is not None:
             angle = _check.finite(self.gradient_angle, "gradient_angle", (len(points),))
             self._set(gradient_angle=angle)
+        if self.blur < 0.0:
+            raise InputError("blur", "0 px or more, or NaN", f"{self.blur}")
+        self._set(blur=float(self.blur))
 
     def __len__(self) -> int:
         """Return the number of contours."""

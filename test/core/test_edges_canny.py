@@ -254,6 +254,8 @@ def test_the_blur_grows_in_noise_up_to_its_limit():
     plain = image_gradient(image, EdgeParams())
     kept = steady_gradient(image, EdgeParams(noise_sigma=0.0))
     np.testing.assert_array_equal(plain[2], kept[2])
+    assert extract_contours(image).blur == 1.2
+    assert extract_contours(noisy_disc(0.0)).blur == EdgeParams().sigma
 
 
 @pytest.mark.parametrize("turn", [np.rot90, np.fliplr, np.transpose])

@@ -27,7 +27,7 @@ def assert_same(first, second):
             assert a.dtype == b.dtype
             np.testing.assert_array_equal(a, b)
         else:
-            assert a == b
+            assert a == b or (a != a and b != b)
 
 
 def through_cdr(record):
@@ -57,6 +57,7 @@ def contours(draw):
         draw(st.sampled_from([None, (640, 480)])),
         subpixel,
         angle,
+        draw(st.sampled_from([float("nan"), 0.0, 0.7])),
     )
 
 
@@ -132,7 +133,7 @@ def test_detections_come_back(drawn, sized):
 
 def square():
     points = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
-    return Contours(points, [0, 4], [True], (4, 4), points + 0.25, np.arange(4) / 4)
+    return Contours(points, [0, 4], [True], (4, 4), points + 0.25, np.arange(4) / 4, 0.7)
 
 
 def test_arrays_have_the_types_of_the_definition():

@@ -46,7 +46,7 @@ def test_a_disc_is_measured_to_a_twentieth_of_a_pixel(radius):
 def test_the_shrinkage_of_the_blur_is_undone():
     image = disc_image(120, 100, centre=(60.2, 49.7), radius=20.0)
     assert abs(found_in(image).ellipses.semi_major[0] - 20.0) < 0.01
-    left = found_in(image, RefinedParams(edge_spread=0.0))
+    left = found_in(image, RefinedParams(undo_blur=False))
     assert left.ellipses.semi_major[0] - 20.0 == pytest.approx(-0.025, abs=0.01)
 
 
