@@ -13,22 +13,26 @@ from geoprim_core.ecc._kernels_refined_fit import offset_of, solve5
 ANGLE_PRIOR = 12.0 / math.pi**2  # inverse variance of an angle of which nothing is known
 
 # The noise of the distances at low frequencies along the outline, see `noise_of`.
-POINTS_PER_WAVE = 8  # half-waves shorter than so many points tell of single points only
+POINTS_PER_WAVE = 8.0  # half-waves shorter than so many points tell of single points only
 LEAST_WAVES, MOST_WAVES = 6, 20
 OWN_SHARE = 0.1  # of a wave that must be left when what the ellipse takes up is removed
 USUAL_WAVES = 6.0  # the usual ratio counts like so many waves
-USUAL_RATIO = 2.75  # of the noise at low frequencies to the variance, measured
+USUAL_RATIO = 3.1  # of the noise at low frequencies to the variance, measured
+# These two hold for edges smoothed with a standard deviation of a pixel and grow with it.
 SMALL_SAMPLE = 5.5  # over the number of waves: what is added for not knowing the noise well
 BLUR_DOUBT = 0.75  # pixels^2, by which the variance of a picture's own blur is unknown
 
 
 @kernel
-def noise_of(distances: FloatArray, rows: FloatArray, inverse: FloatArray) -> float:
+def noise_of(
+    distances: FloatArray, rows: FloatArray, inverse: FloatArray, smoothing: float
+) -> float:
     """Return the variance per point of distances, in order, at low frequencies along an outline.
 
     Neighbouring edge points err alike, so the errors that move an ellipse are those at low
     frequencies. Cosine waves along the support, less the part that the ellipse has taken up
-    (`rows` are the derivatives, `inverse` that of their normal matrix), measure them.
+    (`rows` are the derivatives, `inverse` that of their normal matrix), measure them. The
+    `smoothing` of the image in pixels is over how long neighbours err alike.
 
     References
     ----------
@@ -39,9 +43,9 @@ def noise_of(distances: FloatArray, rows: FloatArray, inverse: FloatArray) -> fl
     for k in range(count):
         variance += distances[k] * distances[k]
     variance /= max(1, count - 5)
-    waves = min(MOST_WAVES, max(LEAST_WAVES, count // POINTS_PER_WAVE))
+    waves = min(MOST_WAVES, max(LEAST_WAVES, int(count / (POINTS_PER_WAVE * smoothing))))
     waves = min(waves, count // 3)
-    power = USUAL_WAVES * USUAL_RATIO * variance
+    power = USUAL_WAVES * USUAL_RATIO * smoothing * variance
     used = USUAL_WAVES
     part = np.empty(5)
     for wave in range(1, waves + 1):
@@ -78,13 +82,14 @@ def inverse_of(matrix: FloatArray) -> tuple[FloatArray, bool]:
 
 @kernel
 def covariance_of(
-    points: FloatArray, parameter: FloatArray, ellipse: FloatArray, width: float
+    points: FloatArray, parameter: FloatArray, ellipse: FloatArray, width: float, smoothing: float
 ) -> FloatArray:
     """Return the covariance (5, 5) of an ellipse from the distances of its points, in order.
 
     That of an M-estimate with Tukey's weights of a `width` in pixels, from the noise at low
-    frequencies along the outline, and a systematic part: what a blur of the picture that nobody
-    knows has moved the outline inwards. NaN when the points do not determine the ellipse.
+    frequencies along the outline in an image smoothed by `smoothing` pixels, and a systematic
+    part: what a blur of the picture that nobody knows has moved the outline inwards. NaN when the
+    points do not determine the ellipse.
     """
     count = len(points)
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
@@ -115,7 +120,7 @@ def covariance_of(
     inverse, good = inverse_of(regular)
     if not good:
         return np.full((5, 5), np.nan)
-    noise = max(noise_of(distances, rows, inverse), 1e-10)
+    noise = max(noise_of(distances, rows, inverse, smoothing), 1e-10)
     normal /= noise
     normal[4, 4] += ANGLE_PRIOR
     result, good = inverse_of(normal)

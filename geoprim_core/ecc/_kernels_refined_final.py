@@ -206,6 +206,7 @@ def finish(
     arc_of = arcs_of_points(order, ends, len(points))
     tally = np.zeros(len(ends), np.int64)
     count = len(selected)
+    smoothing = math.sqrt(spread) if spread > 0.0 else 1.0
     rows = np.empty((count, 5))
     covariances = np.empty((count, 5, 5))
     saliency = np.empty((count, 3))
@@ -221,7 +222,8 @@ def finish(
         inner = moved[kept]
         width = refit_tightly(inner, ellipse, max_size, min_size)
         rows[s] = ellipse
-        covariances[s] = covariance_of(inner, parameters_of(inner, ellipse), ellipse, width)
+        turns = parameters_of(inner, ellipse)
+        covariances[s] = covariance_of(inner, turns, ellipse, width, smoothing)
         saliency[s, 0], saliency[s, 2] = gap_figures(parameter, ellipse)
         saliency[s, 1] = alignment_of(points, order, ends, arc_of, chosen, ellipse, tally)
     return rows, covariances, saliency
