@@ -128,7 +128,7 @@ def split_keys(text: str) -> tuple[list[str], str]:
     >>> split_keys(" +\x1b[A\x1bOD\x1b[3~q\x1b[")
     ([' ', '+', 'up', 'left', 'q'], '\x1b[')
     """
-    start = re.search(r"\x1b(?:[\[O][0-9;]*)?\Z", text)
+    start = re.search(r"\x1b(?:[\[O][0-9;]*[ -/]*)?\Z", text)
     whole, rest = (text[: start.start()], start.group()) if start else (text, "")
     keys = [
         _ARROWS[found["arrow"]] if found["arrow"] else found["key"]
