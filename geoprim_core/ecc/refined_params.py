@@ -19,13 +19,13 @@ class RefinedParams(Params):
         high=20.0,
     )
     stroke_share: float = option(
-        0.5,
+        0.65,
         "strokes: share of the points of long contours on lines that makes a line drawing",
         low=0.0,
         high=1.0,
     )
     stroke_alone: float = option(
-        0.7,
+        0.93,
         "strokes: share of a contour's points that makes it a line in other images",
         low=0.0,
         high=1.0,
@@ -143,6 +143,6 @@ class RefinedParams(Params):
         0.8, "selection: largest overlap with a stronger ellipse", low=0.0, high=1.0
     )
     min_score: float = option(
-        0.75, "acceptance: least probability of being right", low=0.0, high=1.0
+        0.8, "acceptance: least probability of being right", low=0.0, high=1.0
     )
     undo_blur: bool = option(True, "refit: undo what the edge stage's blur has shrunk")
