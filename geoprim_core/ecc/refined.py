@@ -1,30 +1,37 @@
 """The `refined` scheme: ellipses from pairs of smooth arcs, verified against the whole image.
 
 Its steps are the calls in `trace_refined`. What each departure from the thesis' ECC is worth, as
-the F it costs to leave it out, in one run: mean of 48 images of the four thesis sets at overlap
-0.95 (F 0.94 with all of them, 0.89 to 0.98 by set), and of 14 photographs at 0.8 (F 0.91; their
-weights were tuned on these). Ranges are over the four sets; "gains" are negative costs.
+the change of the mean F when it is left out, in one run (`geoprim bench ablation FOLDER --sets
+thesis discs circles --count 12 --seed 300`): the thesis' sets at overlap 0.95 (F with all of them
+.93, .90, .99, .99: occluded filled and outlines, overlapping filled and outlines), noisy circles at
+0.8 (.93), and 14 photographs at 0.8 (.91; weights were tuned on these). The reasons stand in
+`geoprim_core.evaluation.ablation`.
 
-=========================================  ========================  =========================
-departure (parameter that leaves it out)   thesis sets               photographs
-=========================================  ========================  =========================
-strongest colour channel (colour gray)     grey images               0.01 (pooled 0.11)
-direction-true linking (junctions)         0.01 to 0.11              0.03
-sub-pixel positions (subpixel false)       0.06 to 0.10              gains 0.02 (pooled 0)
-strokes on one line (stroke_reach 0)       0.51, 0.53 drawn lines    0
-arcs split by fit (max_arc_rms 100)        0                         0.02
-short, flat arcs (min_arc 12, sagitta .5)  0.01                      0
-either polarity (same_polarity)            0.02 occluded discs       0.06
-evidence, not coverage (min_score 0)       0.27 occluded (at 0.65)   0.32 (at 0.65), 0.54 (0.4)
-how the support ends (end_weight 0)        gains 0.01 to costs 0.01  0.19
-crossings explained (explain_crossings)    gains 0.01 occluded       0.09
-reach follows scatter (reach_spread 0)     0.01 occluded             0
-support within 2 pixels (reach 1)          gains 0.01                0.03
-copies dropped from 0.8 on (max_overlap)   0                         0.09 (0.9), 0.16 (none)
-unclaimed support (min_unclaimed 0)        0                         0
-search region first (region_slack 100)     0, time by a tenth        0
-sure ellipses take arcs (claim_score)      0, time by a third        0.04, two thirds of time
-=========================================  ========================  =========================
+==========================================  =========================  =======  ===========
+departure                                   thesis sets                circles  photographs
+==========================================  =========================  =======  ===========
+strongest colour channel                     0                          0       -.01
+thresholds by typical gradient and noise    -.03   0    0    0          0       +.04
+noisy images blurred more                    0                         -.01      0
+direction-true linking                      -.03 -.05   0  -.09        -.19     -.05
+sub-pixel positions                         -.13 -.05 -.11 -.06        -.11     +.03
+strokes: both edges on one centre line       0   -.41   0  -.52        -.22      0
+arcs split where no ellipse fits             0                          0        0
+short and flat arcs                          0   -.01 -.01 -.01         0        0
+either polarity                             -.03   0  +.01   0          0       -.06
+score by evidence (instead: coverage 0.65)  -.29 -.24 -.01 +.01        +.06     -.34
+score by evidence (instead: coverage 0.4)   -.13 -.11   0  +.01        +.06     -.53
+how the support ends                        +.01   0  -.01 -.03         0       -.18
+crossings by accepted ellipses explained    +.01   0    0    0          0       -.05
+reach follows the scatter                   -.02 -.01   0    0          0        0 (recall -.08)
+support within 2 pixels (instead: 1)         0   +.01 -.01   0          0       -.03
+copies dropped from 0.8 (instead: 0.9)       0                          0       -.09
+copies dropped from 0.8 (instead: none)      0                          0       -.16
+selection by unclaimed support               0   +.01 -.01 -.02         0        0
+search region before the fit                 0                          0        0
+sure ellipses take their arcs                0 (1.5 times the time)     0       -.02
+blur's shrinkage undone                     -.01   0    0    0          0        0
+==========================================  =========================  =======  ===========
 """
 
 from __future__ import annotations

@@ -70,6 +70,11 @@ DEPARTURES = (
         "a contour may run on from one ellipse to the next without a turn",
     ),
     Departure(
+        "short and flat arcs",
+        {"ecc.refined.min_arc": 12, "ecc.refined.min_sagitta": 0.5},
+        "in crowds thin ellipses show in short pieces",
+    ),
+    Departure(
         "either polarity",
         {"ecc.refined.same_polarity": True},
         "an occluded outline is brighter here and darker there than what it lies on",
@@ -83,6 +88,21 @@ DEPARTURES = (
         "score by evidence (instead: coverage 0.4)",
         {"ecc.refined.min_score": 0.0, "ecc.refined.min_coverage": 0.4},
         "little of an outline is enough where nothing contradicts it",
+    ),
+    Departure(
+        "how the support ends",
+        {"ecc.refined.end_weight": 0.0},
+        "a contour that leaves the outline and goes on is that of something else",
+    ),
+    Departure(
+        "crossings by accepted ellipses explained",
+        {"ecc.refined.explain_crossings": False},
+        "what crosses an outline is clutter unless it is another ellipse",
+    ),
+    Departure(
+        "reach follows the scatter",
+        {"ecc.refined.reach_spread": 0.0},
+        "what is far off for this outline is no support of it",
     ),
     Departure(
         "support within 2 pixels (instead: 1)",
