@@ -17,7 +17,7 @@ POINTS_PER_WAVE = 8.0  # half-waves shorter than so many points tell of single p
 LEAST_WAVES, MOST_WAVES = 6, 20
 OWN_SHARE = 0.1  # of a wave that must be left when what the ellipse takes up is removed
 USUAL_WAVES = 6.0  # the usual ratio counts like so many waves
-USUAL_RATIO = 3.1  # of the noise at low frequencies to the variance, measured
+USUAL_RATIO = 2.9  # of the noise at low frequencies to the variance, measured
 # These two hold for edges smoothed with a standard deviation of a pixel and grow with it.
 SMALL_SAMPLE = 5.5  # over the number of waves: what is added for not knowing the noise well
 BLUR_DOUBT = 0.75  # pixels^2, by which the variance of a picture's own blur is unknown
