@@ -23,7 +23,8 @@ def describe_arcs(
 
     Columns: 0-1 middle; 2-7 start, middle, end of the arc; 8-13 inner normals near these; 14-15
     normal of the chord away from the arc; 16 polarity, +1 where the gradient points inwards;
-    17 sagitta; 18 number of points; 19 radius of the arc about its middle.
+    17 sagitta; 18 number of points; 19 radius of the arc about its middle. The chord of a ring is
+    the tangent at its start.
     """
     count = len(ends) - 1
     table = np.zeros((count, 20))
@@ -70,6 +71,7 @@ def describe_arcs(
             row[17] = nx * cx + ny * cy
         else:
             row[17] = math.hypot(cx, cy)
+            row[14], row[15] = cx / (row[17] + 1e-300), cy / (row[17] + 1e-300)
         row[18] = size
         far = 0.0
         for k in range(low, high):

@@ -20,7 +20,8 @@ def sample_arcs(points: FloatArray, order: IntArray, ends: IntArray) -> FloatArr
     for i in range(len(samples)):
         low, size = ends[i], ends[i + 1] - ends[i]
         count = min(SAMPLES, size)
-        samples[i, SAMPLES] = points[order[low + size // 2]]
+        middle, other = points[order[low + size // 2]], points[order[low + (size - 1) // 2]]
+        samples[i, SAMPLES] = 0.5 * (middle + other)
         for k in range(count):
             # Backwards from the end in the second half: the same points whichever way the arc runs.
             back = count - 1 - k

@@ -13,9 +13,19 @@ from geoprim_core.ecc._kernels_refined_fit import add_point, add_shifted, fit_mo
 
 @kernel
 def mark_vertices(
-    points: FloatArray, first: int, last: int, tolerance: float, stack: IntArray, vertex: BoolArray
+    points: FloatArray,
+    first: int,
+    last: int,
+    end: int,
+    tolerance: float,
+    stack: IntArray,
+    vertex: BoolArray,
 ) -> None:
-    """Mark the vertices strictly between two points of an open curve (Ramer-Douglas-Peucker)."""
+    """Mark the vertices strictly between two points of an open curve (Ramer-Douglas-Peucker).
+
+    The last point is that at `end`: in a ring it follows that at `last` - 1. Of points as far from
+    the chord the one amidst is taken, whichever way the curve runs.
+    """
     stack[0] = first
     stack[1] = last
     top = 2
@@ -23,14 +33,17 @@ def mark_vertices(
         j = stack[top - 1]
         i = stack[top - 2]
         top -= 2
-        dx = points[j, 0] - points[i, 0]
-        dy = points[j, 1] - points[i, 1]
+        stop = end if j == last else j
+        dx = points[stop, 0] - points[i, 0]
+        dy = points[stop, 1] - points[i, 1]
         length = math.sqrt(dx * dx + dy * dy)
         worst = tolerance
+        aside = 0.0
         at = -1
         for k in range(i + 1, j):
             ux = points[k, 0] - points[i, 0]
             uy = points[k, 1] - points[i, 1]
+            along = 0.0
             if length > 1e-9:
                 along = (ux * dx + uy * dy) / length
                 off = abs(ux * dy - uy * dx) / length
@@ -39,8 +52,9 @@ def mark_vertices(
                     off = math.hypot(off, beyond)
             else:
                 off = math.hypot(ux, uy)
-            if off > worst:
+            if off >= worst and (off > worst or (at >= 0 and abs(along - 0.5 * length) < aside)):
                 worst = off
+                aside = abs(along - 0.5 * length)
                 at = k
         if at >= 0:
             vertex[at] = True
@@ -80,15 +94,17 @@ def cut_flags(
     # A ring ends with the corner that it begins with, so that its seam is a side like others.
     for step in range(0 if closed else 1, count + 1 if closed else count - 1):
         k = step % count
-        here = turns[k]
+        around = 0.0
         for side in (-1, 1):
             other = k + side
             if closed or 0 < other < count - 1:
-                here += 0.5 * turns[other % count]
-        now = 1.0 if here > 0.0 else -1.0
+                around += turns[other % count]
+        now = 1.0 if turns[k] + 0.5 * around > 0.0 else -1.0
         if sign != 0.0 and now != sign and previous >= 0:
             # the change of sign lies on the side between two corners: cut at its milder end
-            cut[previous if abs(turns[previous]) < abs(turns[k]) else k] = True
+            difference = abs(turns[previous]) - abs(turns[k])
+            cut[previous] |= difference <= 0.0
+            cut[k] |= difference >= 0.0
         sign = now
         previous = k
 
@@ -102,7 +118,10 @@ def split_contours(
     max_turn: float,
     min_length: int,
 ) -> tuple[IntArray, IntArray, BoolArray]:
-    """Return point indices of all smooth arcs, one after the other, their offsets, all vertices."""
+    """Return point indices of all smooth arcs, one after the other, their offsets, all vertices.
+
+    Arcs that meet share a point; an arc all round a ring ends with the point it begins with.
+    """
     total = len(points)
     order = np.empty(2 * total + 1, np.int64)
     ends = np.empty(total // max(1, min_length - 1) + len(offsets) + 1, np.int64)
@@ -126,10 +145,10 @@ def split_contours(
                 if d > far:
                     far, at = d, k
             vertex[at] = True
-            mark_vertices(points, low, at, tolerance, stack, vertex)
-            mark_vertices(points, at, high - 1, tolerance, stack, vertex)
+            mark_vertices(points, low, at, at, tolerance, stack, vertex)
+            mark_vertices(points, at, high, low, tolerance, stack, vertex)
         else:
-            mark_vertices(points, low, high - 1, tolerance, stack, vertex)
+            mark_vertices(points, low, high - 1, high - 1, tolerance, stack, vertex)
             vertex[high - 1] = True
         vertex[low] = True
         count = 0
@@ -143,8 +162,8 @@ def split_contours(
             while start < count and not cut[start]:
                 start += 1
             if start == count:  # a smooth ring is one arc
-                for k in range(low, high):
-                    order[used] = k
+                for k in range(size + 1):
+                    order[used] = low + k % size
                     used += 1
                 arcs += 1
                 ends[arcs] = used
@@ -157,7 +176,7 @@ def split_contours(
                 continue
             run = (stop - begin) % size + 1 if ring else stop - begin + 1
             if ring and run == 1:
-                run = size
+                run = size + 1
             if run >= min_length:
                 for s in range(run):
                     order[used] = low + (begin - low + s) % size
@@ -194,6 +213,8 @@ def part_rms(
     for k in range(i, j):
         p = order[breaks[k]]
         add_shifted(work, sides[k], points[p, 0] - x0, points[p, 1] - y0, 1.0 / reach)
+    p = order[breaks[j]]
+    add_point(work, (points[p, 0] - x0) / reach, (points[p, 1] - y0) / reach)
     if not fit_moments(work, x0, y0, 1.0 / reach, ellipse):
         return math.inf
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
@@ -265,12 +286,15 @@ def split_misfits(
                     span = min(span - 1, (span * 7) // 8)
             if least == math.inf:
                 # two sides at most: the longest neighbours
-                best = -1
+                most, farthest = -1, 0.0
                 i, j = begin, end
                 if span < end - begin:
                     for k in range(begin, end - span + 1):
-                        if breaks[k + span] - breaks[k] > best:
-                            best = breaks[k + span] - breaks[k]
+                        p, q = order[breaks[k]], order[breaks[k + span]]
+                        length = breaks[k + span] - breaks[k]
+                        dx, dy = points[q, 0] - points[p, 0], points[q, 1] - points[p, 1]
+                        if (length, dx * dx + dy * dy) > (most, farthest):
+                            most, farthest = length, dx * dx + dy * dy
                             i, j = k, k + span
             if breaks[j] - breaks[i] + 1 >= min_length:
                 for k in range(breaks[i], breaks[j] + 1):

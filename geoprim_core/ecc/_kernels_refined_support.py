@@ -14,6 +14,7 @@ from geoprim_core.fitting._kernels_shape import perimeter_of
 
 Int32Array = npt.NDArray[np.int32]
 
+TINY = 1e-9  # pixels
 PROBES = 32
 PROBE_COS = np.cos(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
 PROBE_SIN = np.sin(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
@@ -28,13 +29,19 @@ STEPS, IN_FRAME, COVERED, TURN, TURN_COVERED, SQUARES, TURNED, CROSSING, SUMS = 
 
 
 @kernel
-def index_points(points: FloatArray, width: int, height: int) -> tuple[Int32Array, Int32Array]:
-    """Return, for every pixel, the first edge point in it (-1: none) and each point's successor."""
+def index_points(
+    points: FloatArray, normals: FloatArray, width: int, height: int
+) -> tuple[Int32Array, Int32Array]:
+    """Return, for every pixel, the first edge point in it (-1: none) and each point's successor.
+
+    Of two pixels as near that on the brighter side has the point, whichever way the image is
+    turned: where the edge lies half a pixel from its pixel, many points are in between.
+    """
     head = np.full((height, width), -1, np.int32)
     following = np.full(len(points), -1, np.int32)
     for k in range(len(points) - 1, -1, -1):
-        x = int(math.floor(points[k, 0] + 0.5))
-        y = int(math.floor(points[k, 1] + 0.5))
+        x = int(math.floor(points[k, 0] + TINY * normals[k, 0] + 0.5))
+        y = int(math.floor(points[k, 1] + TINY * normals[k, 1] + 0.5))
         if 0 <= x < width and 0 <= y < height:
             following[k] = head[y, x]
             head[y, x] = k

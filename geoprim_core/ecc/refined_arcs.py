@@ -63,7 +63,7 @@ class EdgePoints:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SmoothArcs:
-    """Smooth arcs of edge points, longest first.
+    """Smooth arcs of edge points, longest first, of those as long the highest over their chord.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     points = contours.positions
     normals = _normals(contours)
     signed = contours.gradient_angle is not None
-    head, following = index_points(points, width, height)
+    head, following = index_points(points, normals, width, height)
     shifts = np.zeros(len(points))
     if signed and params.stroke_reach > 0.0 and len(points):
         gaps = _stroke.find_mates(head, following, points, normals, params.stroke_reach)
@@ -110,7 +110,7 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     stroke = shifts != 0.0
     if stroke.any():
         points = points + shifts[:, np.newaxis] * normals
-        head, following = index_points(points, width, height)
+        head, following = index_points(points, normals, width, height)
     located = signed and contours.subpixel is not None and not math.isnan(contours.blur)
     spread = contours.blur**2 + SOBEL_VARIANCE if located else 0.0
     contour = np.repeat(np.arange(len(contours)), np.diff(contours.offsets))
@@ -171,6 +171,6 @@ def split_arcs(edges: EdgePoints, contours: Contours, params: RefinedParams) -> 
         edges.points, edges.normals, indices, ends, params.min_sagitta
     )
     kept = np.flatnonzero(keep)
-    kept = kept[np.argsort(-table[kept, 18], kind="stable")]
+    kept = kept[np.lexsort((-table[kept, 17], -table[kept, 18]))]  # not by where they lie
     indices, offsets = _arcs.gather(indices, ends, kept)
     return SmoothArcs(indices, offsets, table[kept], moments[kept])

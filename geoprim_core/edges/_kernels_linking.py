@@ -187,21 +187,25 @@ def cut_corners(angle: Any, before: Any, after: Any, max_turn: Any) -> None:
     A link stays where the mean turn of the three links before and the three after it comes
     within half of `max_turn` of its own: a small circle, but not a corner or a crossing.
     """
+    cut = np.empty(len(after), np.uint32)
+    size = np.uint64(0)
     for k in range(len(after)):
         here, m = np.uint32(k), after[k]
         turn = bend(angle, here, m if m < APART else here)
         if abs(turn) <= max_turn:
             continue
-        total = 0.0
+        behind = ahead = 0.0  # apart: the sum is then the same whichever way a contour runs
         first, last = here, m
         for _ in range(3):
             if before[first] < APART:
-                total += bend(angle, before[first], first)
+                behind += bend(angle, before[first], first)
                 first = before[first]
             if after[last] < APART:
-                total += bend(angle, last, after[last])
+                ahead += bend(angle, last, after[last])
                 last = after[last]
-        expected = total / 6.0
-        if abs(turn - expected) > EXCESS_SHARE * max_turn:
-            after[k] = UNLINKED
-            before[m] = UNLINKED
+        expected = (behind + ahead) / 6.0
+        cut[size] = k
+        size += np.uint64(abs(turn - expected) > EXCESS_SHARE * max_turn)
+    for k in cut[:size]:  # not before all are judged: a cut link would change what is around
+        before[after[k]] = UNLINKED
+        after[k] = UNLINKED

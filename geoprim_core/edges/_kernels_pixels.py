@@ -48,7 +48,8 @@ def look_around(
     """Write x, y of some pixels and, to `around` (6, n), three gradients of each.
 
     They are its own and those one step up and one step down the row or the column, whichever is
-    nearer to the gradient; at the border its own three times.
+    nearer to the gradient, or the diagonal where that is the gradient's direction; at the border
+    its own three times.
     """
     height, width = dx.shape
     along_x, along_y = dx.ravel(), dy.ravel()
@@ -63,9 +64,9 @@ def look_around(
         xs[k] = x
         ys[k] = y
         gx, gy = along_x[np.uint64(place)], along_y[np.uint64(place)]
-        level = abs(gx) >= abs(gy)
-        step = 1 if level else width
-        step = step if (gx if level else gy) >= 0.0 else -step
+        along = 1 if gx >= 0.0 else -1
+        across = width if gy >= 0.0 else -width
+        step = (along if abs(gx) >= abs(gy) else 0) + (across if abs(gy) >= abs(gx) else 0)
         inside = (x > 0) & (y > 0) & (x < width - 1) & (y < height - 1)
         step = step if inside else 0
         up, down = np.uint64(place + step), np.uint64(place - step)
@@ -106,7 +107,8 @@ def crests(around: Any, rows: Any, centred: Any) -> None:
         shift = 0.5 if shift > 0.5 else shift
         shift = -0.5 if shift < -0.5 else shift
         # From the axis to the foot on the gradient line.
-        shift = shift * np.float64(abs(nx) if abs(gx) >= abs(gy) else abs(ny))
+        foot = np.float64(abs(nx) if abs(gx) >= abs(gy) else abs(ny))
+        shift = shift * (foot + foot if abs(gx) == abs(gy) else foot)
         shift = shift if bend > 0.0 else 0.0
         rows[OX, c] = (shift * nx * SUBPIXEL_STEPS + ROUNDING - ROUNDING) / SUBPIXEL_STEPS
         rows[OY, c] = (shift * ny * SUBPIXEL_STEPS + ROUNDING - ROUNDING) / SUBPIXEL_STEPS
@@ -131,11 +133,10 @@ def recentre(
         gx, gy = around[0, c], around[1, c]
         here = length(gx, gy)
         up, down = length(around[2, c], around[3, c]), length(around[4, c], around[5, c])
-        level = abs(gx) >= abs(gy)
         way = 1 if up > here else -1
-        step = 2 * (way if (gx if level else gy) >= 0.0 else -way)
-        x = np.int64(xs[first + c]) + (step if level else 0)
-        y = np.int64(ys[first + c]) + (0 if level else step)
+        level, steep = abs(gx) >= abs(gy), abs(gy) >= abs(gx)
+        x = np.int64(xs[first + c]) + (2 * (way if gx >= 0.0 else -way) if level else 0)
+        y = np.int64(ys[first + c]) + (2 * (way if gy >= 0.0 else -way) if steep else 0)
         if (x < 0) | (y < 0) | (x >= width) | (y >= height):
             continue
         far = np.uint64(y * width + x)
@@ -148,7 +149,7 @@ def recentre(
         shift = 0.5 if shift > 0.5 else shift
         shift = -0.5 if shift < -0.5 else shift
         nx, ny = rows[NX, c], rows[NY, c]
-        shift = (way + shift) * np.float64(abs(nx) if level else abs(ny))
+        shift = (way + shift) * ((abs(nx) if level else 0.0) + (abs(ny) if steep else 0.0))
         shift = shift if bend > 0.0 else 0.0
         rows[OX, c] = rounded(shift * nx)
         rows[OY, c] = rounded(shift * ny)
@@ -163,11 +164,11 @@ def locate(flat: Any, dx: Any, dy: Any, index: Any) -> Any:
     inside it and meet no pixel round the border. The table holds sub-pixel offsets and unit
     gradients, float32.
 
-    The crest of the magnitude along the row or the column, whichever is nearer to the gradient,
-    is the vertex of a parabola through three pixels; the offset leads to the foot on the
-    gradient line, in multiples of 1/256 px and within half a pixel in each coordinate. (A
-    parabola along the gradient itself would need interpolated magnitudes: that triples the
-    error on thin lines.)
+    The crest of the magnitude along the row or the column, whichever is nearer to the gradient
+    (between both the diagonal, so that a turned image has the turned table), is the vertex of a
+    parabola through three pixels; the offset leads to the foot on the gradient line, in multiples
+    of 1/256 px and within half a pixel in each coordinate. (A parabola along the gradient itself
+    would need interpolated magnitudes: that triples the error on thin lines.)
     """
     count = len(flat)
     xs = np.empty(count, np.int32)

@@ -224,13 +224,20 @@ def gradient_levels(values: Float32Array, params: EdgeParams) -> GradientLevels:
     if not largest > 0.0:
         return GradientLevels(0.0, 0.0, 0.0)
     flat = values.ravel()
-    typical = float(np.vdot(flat, flat)) / float(flat.sum())
+    # Rounded: the sums depend a little on the order, a turned image is to have the same edges.
+    typical = _rounded(float(np.vdot(flat, flat)) / float(flat.sum()))
     share = params.noise_share
     if params.threshold_rule == "auto" and params.noise_factor > 0.0:
         share = min(share, params.high_auto / params.noise_factor)
     harmless = share * typical * _RAYLEIGH_MEDIAN
     median = float(_kernels.median_magnitude(values, largest, harmless))
     return GradientLevels(largest, typical, median / _RAYLEIGH_MEDIAN)
+
+
+def _rounded(value: float) -> float:
+    """Return a number with its first twelve binary digits."""
+    mantissa, exponent = math.frexp(value)
+    return math.ldexp(round(mantissa * 2.0**12), exponent - 12)
 
 
 def _thresholds(levels: GradientLevels, params: EdgeParams) -> tuple[float, float]:

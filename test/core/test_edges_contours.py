@@ -211,12 +211,11 @@ def test_direction_linking_shares_only_pixels_that_it_put_in():
     assert own.mean() > 0.95
 
 
-@pytest.mark.parametrize("linking", LINKINGS)
 @pytest.mark.parametrize("turn", [np.rot90, np.fliplr, np.transpose])
-def test_contours_turn_with_the_image(linking, turn):
-    """Equal costs are settled by the order of the pixels, so a few pixels may differ."""
+def test_contours_without_junctions_nearly_turn_with_the_image(turn):
+    """Pixels as far from the edge are thinned in their order, so a few pixels may differ."""
     image = data.coins()
-    params = EdgeParams(linking=linking, sigma=1.0, low_auto=0.2, high_auto=0.5)
+    params = EdgeParams(linking="junctions", sigma=1.0, low_auto=0.2, high_auto=0.5)
 
     def marked(picture):
         mask = np.zeros(picture.shape, bool)

@@ -100,7 +100,7 @@ def test_the_edges_of_a_line_are_mates_across_its_width():
     x = np.arange(10.0, 40.0)
     points = np.concatenate([np.stack([x, 0 * x + y], axis=1) for y in (20.0, 22.25)])
     normals = np.repeat([[0.0, -1.0], [0.0, 1.0]], len(x), axis=0)
-    head, following = support.index_points(points, 60, 40)
+    head, following = support.index_points(points, normals, 60, 40)
     gaps = stroke.find_mates(head, following, points, normals, 4.0)
     assert np.allclose(gaps, -2.25)
 
@@ -139,7 +139,7 @@ def of_clutter(share):
 
 def marked(points, normals, ellipse):
     """Return the index of points on a 120 x 100 image, and all of them stamped as support."""
-    head, following = support.index_points(points, 120, 100)
+    head, following = support.index_points(points, normals, 120, 100)
     return head, following, normals, ellipse, np.ones(len(points), np.int64), 1
 
 
@@ -194,7 +194,7 @@ def test_gaps_and_crossings_are_the_same_in_a_mirrored_image(seed, signs):
         places, across = origin + points * (sx, sy), normals * (sx, sy)
         turn = ellipse[4] if sx == sy else np.pi - ellipse[4]
         image = np.array([*(origin + ellipse[:2] * (sx, sy)), *ellipse[2:4], turn])
-        head, following = support.index_points(places, width, height)
+        head, following = support.index_points(places, across, width, height)
         stamp = (np.arange(400) < 60).astype(np.int64)
         gaps = ends.unexplained_share(head, following, across, image, stamp, 1)
         claimed = np.zeros(400, bool)
@@ -229,7 +229,7 @@ def test_only_crossing_points_that_nothing_claims_are_counted():
     x = np.arange(20.0, 100.0)
     points = np.stack([x, np.full(80, 50.0)], axis=1)  # crosses the circle on both sides
     normals = np.tile([0.0, 1.0], (80, 1))
-    head, following = support.index_points(points, 120, 100)
+    head, following = support.index_points(points, normals, 120, 100)
     claimed = np.zeros(80, bool)
     stamp = np.zeros(80, np.int64)
     count = clutter.count_crossings(head, following, points, normals, circle, claimed, stamp, 1)

@@ -60,7 +60,7 @@ def plain(head, following, points, normals, rows, figures, offsets, members):
 @given(st.integers(0, 2**32 - 1), st.integers(1, 40))
 def test_the_heap_chooses_what_the_plain_greedy_selection_does_in_its_order(seed, count):
     points, normals, rows, figures, offsets = drawn(seed, count)
-    head, following = support.index_points(points, SIZE, SIZE)
+    head, following = support.index_points(points, normals, SIZE, SIZE)
     members = np.arange(len(points))
     given_to_both = (head, following, points, normals, rows, figures, offsets, members)
     chosen, outcome = select.select(*given_to_both, WEAKEST, REACH, LEAST, MOST)
