@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from geoprim_msgs.msg import Detections, EllipseDetections
@@ -11,8 +10,8 @@ from sensor_msgs.msg import Image
 
 from geoprim_core.io.drawing import draw_overlay
 from geoprim_core.io.image_message import image_from_message
+from geoprim_core.io.shown import ViewParams
 from geoprim_core.io.wire import from_wire
-from geoprim_core.params import Params, option
 from geoprim_ros.conversions import image_to_message
 from geoprim_ros.image_input import ImageInput
 from geoprim_ros.pairing import StampPairs
@@ -23,21 +22,12 @@ from geoprim_ros.stage_node import StageNode, result_qos
 _IMAGES_KEPT = 20
 
 
-@dataclass(frozen=True)
-class OverlayParams(Params):
-    """What the overlay shows."""
-
-    show_ellipses: bool = option(True, "draw all ellipses")
-    show_detections: bool = option(True, "draw the labelled objects")
-    show_labels: bool = option(True, "write scores and labels")
-
-
 class OverlayNode(StageNode):
     """Draws results on the image with the same stamp, as long as somebody looks at it."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("overlay_node", **options)
-        self._params = self.live_params(OverlayParams())
+        self._params = self.live_params(ViewParams())
         self._pairs = StampPairs(("image", "ellipses", "detections"), _IMAGES_KEPT)
         self._overlay = self.advertise(Image, "overlay")
         for kind, topic in ((EllipseDetections, "ellipses"), (Detections, "detections")):
@@ -58,12 +48,12 @@ class OverlayNode(StageNode):
             self._draw(**pair)
 
     def _draw(self, image: Any, ellipses: Any, detections: Any) -> None:
-        shown = self._params.value
-        objects: Any = from_wire(detections) if shown.show_detections else None
-        found: Any = from_wire(ellipses) if shown.show_ellipses else None
+        found: Any = from_wire(ellipses)
+        objects: Any = from_wire(detections)
         picture = draw_overlay(
-            image_from_message(image), ellipses=found, detections=objects, labels=shown.show_labels
-        )
+            image_from_message(image), ellipses=found, detections=objects,
+            params=self._params.value.overlay,
+        )  # fmt: skip
         self._overlay.publish(image_to_message(picture, image))
         self.statistics.frames_out += 1
 
