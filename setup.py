@@ -13,6 +13,7 @@ NODES = [
     "detector_node",
     "lifecycle_detector",
     "overlay_node",
+    "markers_node",
     "pipeline",
     "bag_player",
     "bag_recorder",

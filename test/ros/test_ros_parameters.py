@@ -19,6 +19,7 @@ from geoprim_ros.chain import work_once
 from geoprim_ros.nodes.detector_node import DetectorNode
 from geoprim_ros.nodes.edges_node import EdgesNode
 from geoprim_ros.nodes.ellipses_node import EllipsesNode
+from geoprim_ros.nodes.markers_node import MarkersNode
 from geoprim_ros.nodes.overlay_node import OverlayNode
 from geoprim_ros.nodes.polygons_node import PolygonsNode
 from geoprim_ros.param_dump import as_yaml, parameters_of
@@ -249,7 +250,7 @@ def test_qos_can_be_overridden(graph):
 
 NODES = {
     kind: f"{kind.__name__}".removesuffix("Node").lower() + "_node"
-    for kind in (EdgesNode, PolygonsNode, EllipsesNode, OverlayNode, DetectorNode)
+    for kind in (EdgesNode, PolygonsNode, EllipsesNode, OverlayNode, MarkersNode, DetectorNode)
 }
 CHOICES = [(o.name, choice) for o in DetectorParams.options() for choice in o.choices]
 
@@ -260,6 +261,8 @@ def _another(option, value):
         return next(c for c in option.choices if c != value) if len(option.choices) > 1 else value
     if option.kind is bool:
         return not value
+    if option.kind is str:
+        return value + "other"
     low = 0 if option.low is None else option.low
     high = 100 if option.high is None else option.high
     middle = option.kind(low + 0.75 * (value - low) if value > low else min(high, low + 1))
