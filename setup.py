@@ -14,6 +14,7 @@ NODES = [
     "lifecycle_detector",
     "overlay_node",
     "markers_node",
+    "view_node",
     "pipeline",
     "bag_player",
     "bag_recorder",

@@ -75,7 +75,7 @@ def draw_overlay(
     >>> overlay[20, 20].tolist(), (overlay[20, 32] > 150).tolist()  # yellow on the outline
     ([0, 0, 0], [False, True, True])
     """
-    canvas = _canvas(image)
+    canvas = displayed(image)
     params = params or OverlayParams()
     page = Page(canvas, params.size or overlay_scale(canvas.shape))
     if contours is not None:
@@ -95,7 +95,14 @@ def draw_overlay(
     return canvas
 
 
-def _canvas(image: AnyArray) -> AnyArray:
+def displayed(image: AnyArray) -> AnyArray:
+    """Return a copy (H, W, 3) uint8 in BGR order of an image, other depths stretched.
+
+    Examples
+    --------
+    >>> displayed(np.array([[0.0, 0.5], [1.0, 0.25]]))[:, :, 0].tolist()
+    [[0, 127], [255, 63]]
+    """
     array = _check.image(image)
     if array.dtype != np.uint8:
         low, high = float(array.min()), float(array.max())
