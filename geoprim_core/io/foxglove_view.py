@@ -13,6 +13,7 @@ from types import TracebackType
 from typing import Any, Self
 
 import cv2
+import numpy as np
 
 from geoprim_core._check import AnyArray
 from geoprim_core.errors import FileError, GeoprimError, InputError, MissingPackageError
@@ -36,6 +37,7 @@ ELLIPSES, DIAGNOSTICS = "/ellipses", "/diagnostics"
 _JPEG_QUALITY = 90
 _BACKLOG = 32  # frames that wait for a slow viewer; the oldest give way
 _NUMBERS = ("x", "y", "semi_major", "semi_minor", "angle", "score")
+_DECIMALS = 4
 _ELLIPSE = {
     "type": "object",
     "properties": {
@@ -301,15 +303,13 @@ class View:
 
 
 def as_numbers(frame: ViewFrame) -> dict[str, Any]:
-    """Return the ellipses of a frame as plain data: count, scores, axes, for tables and plots."""
+    """Return the ellipses of a frame as plain data, rounded: what tables and plots show."""
     shown = frame.shown
+    numbers = np.column_stack([shown.ellipses.array(), shown.score]).round(_DECIMALS)
     rows = [
-        {"id": i, "label": label, **dict(zip(_NUMBERS, (*row, score), strict=True))}
-        for i, label, row, score in zip(
-            shown.ids, shown.labels, shown.ellipses.array().tolist(), shown.score.tolist(),
-            strict=True,
-        )
-    ]  # fmt: skip
+        {"id": i, "label": label, **dict(zip(_NUMBERS, row, strict=True))}
+        for i, label, row in zip(shown.ids, shown.labels, numbers.tolist(), strict=True)
+    ]
     return {
         "count": len(shown),
         "mean_score": float(shown.score.mean()) if len(shown) else 0.0,

@@ -223,14 +223,12 @@ class Replay:
             self.seconds = [*self.seconds[1 - _TIMES_KEPT :], frame.seconds]
 
     def _diagnose(self, stamp_ns: int, log_time_ns: int | None) -> None:
-        p50, p95 = np.percentile(self.seconds or [np.nan], [50, 95]) * 1e3
         values = {
-            "frames shown": str(self.shown),
-            "bad": str(self.bad),
-            "last reason": self.last_reason,
-            "detection p50 [ms]": f"{p50:.2f}",
-            "detection p95 [ms]": f"{p95:.2f}",
-        }
+            "frames shown": str(self.shown), "bad": str(self.bad), "last reason": self.last_reason,
+        }  # fmt: skip
+        if self.seconds:
+            p50, p95 = np.percentile(self.seconds, [50, 95]) * 1e3
+            values |= {"detection p50 [ms]": f"{p50:.2f}", "detection p95 [ms]": f"{p95:.2f}"}
         status = {
             "level": _WARN if self.bad else _OK,
             "name": "geoprim view: frames",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geoprim_msgs.msg import Contours, Detections, EllipseDetections, Polygons
+from geoprim_msgs.msg import Contours, Polygons
 from rclpy.qos import QoSProfile
 
 from geoprim_core.io.foxglove_view import IMAGE_FORMATS, View, ViewFrame
@@ -16,7 +16,7 @@ from geoprim_core.io.record import stamp_of
 from geoprim_core.io.shown import ViewParams, to_show
 from geoprim_core.io.wire import from_wire
 from geoprim_core.params import Params, option
-from geoprim_ros.image_input import ImageInput
+from geoprim_ros.found_frames import FoundFrames
 from geoprim_ros.pairing import StampPairs
 from geoprim_ros.parameters import declare
 from geoprim_ros.spin import run
@@ -50,18 +50,16 @@ class ViewNode(StageNode):
         }
         server = ServerParams.from_dict(given)
         self._params = self.live_params(ViewParams())
-        self._pairs = StampPairs(("image", "ellipses", "detections"), _KEPT)
+        self._frames = FoundFrames(self, self._show)
         self._curves = StampPairs(("contours", "polygons"), _KEPT)
         self._view = View(server.image_format)
-        for kind, topic in ((EllipseDetections, "ellipses"), (Detections, "detections")):
-            self.listen(kind, topic, self._receiver(topic), result_qos(), frame=False)
         if server.contours:
             for kind, topic in ((Polygons, "polygons"), (Contours, "contours")):
                 self.listen(kind, topic, self._curve_receiver(topic), result_qos(), frame=False)
         self.listen(
             DiagnosticArray, "/diagnostics", self._on_diagnostics, QoSProfile(depth=10), frame=False
         )
-        ImageInput(self).connect(self._receiver("image"), _KEPT)
+        self._frames.connect()
         self.port = self._view.serve(server.host, server.port)
         self.get_logger().info(f"ws://{server.host}:{self.port} for Foxglove")
 
@@ -73,24 +71,15 @@ class ViewNode(StageNode):
 
     def paused(self) -> None:
         """Let go of what waits."""
-        self._pairs.clear()
+        self._frames.clear()
         self._curves.clear()
 
     def close(self) -> None:
         """End the server."""
         self._view.close()
 
-    def _receiver(self, topic: str) -> Any:
-        return lambda message: self._on(topic, message)
-
     def _curve_receiver(self, topic: str) -> Any:
         return lambda message: self._on_curves(topic, message)
-
-    def _on(self, topic: str, message: Any) -> None:
-        pair = self._pairs.add(topic, message)
-        self.statistics.unpaired = self._pairs.unpaired
-        if pair is not None:
-            self._show(**pair)
 
     def _show(self, image: Any, ellipses: Any, detections: Any) -> None:
         self._view.style = style = self._params.value.overlay

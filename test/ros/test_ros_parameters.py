@@ -186,8 +186,14 @@ def test_a_parameter_file_arrives_whole(graph, path):
     """Every value of the file is the parameter's value and part of the objects made from it."""
     (section,) = yaml.safe_load(path.read_text()).values()
     wanted = dict(_flat(section["ros__parameters"]))
-    node = graph.add(
-        DetectorNode(context=graph.context, cli_args=["--ros-args", "--params-file", str(path)])
+    args = ["--ros-args", "--params-file", str(path)]
+    node = graph.add(DetectorNode(context=graph.context, cli_args=args))
+    markers = graph.add(MarkersNode(context=graph.context, cli_args=args))
+    drawn = {n: wanted.pop(n) for n in list(wanted) if n.startswith(("overlay.", "markers."))}
+    for name, value in drawn.items():
+        assert markers.get_parameter(name).value == value, name
+    assert {**markers._params.value.to_dict(), **markers._style.value.to_dict()}.items() >= (
+        drawn.items()
     )
     for name, value in wanted.items():
         assert node.get_parameter(name).value == value, name
@@ -200,7 +206,7 @@ def test_a_parameter_file_arrives_whole(graph, path):
     assert task.plane_distance == distance
 
 
-@pytest.mark.parametrize("kind", [EdgesNode, PolygonsNode, EllipsesNode, OverlayNode])
+@pytest.mark.parametrize("kind", [EdgesNode, PolygonsNode, EllipsesNode, OverlayNode, MarkersNode])
 def test_one_parameter_file_serves_every_node(graph, kind):
     """No node has a parameter of another type under a name that the files use."""
     for path in SCENARIOS:
