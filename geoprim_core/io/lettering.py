@@ -26,11 +26,10 @@ class Box(NamedTuple):
     right: float
     bottom: float
 
-    def overlap(self, other: Box) -> float:
-        """Return the area in common."""
-        wide = min(self.right, other.right) - max(self.left, other.left)
-        high = min(self.bottom, other.bottom) - max(self.top, other.top)
-        return max(wide, 0.0) * max(high, 0.0)
+    def overlaps(self, other: Box) -> bool:
+        """Tell whether there is an area in common."""
+        beside = self.right <= other.left or other.right <= self.left
+        return not (beside or self.bottom <= other.top or other.bottom <= self.top)
 
 
 class Page:
@@ -45,6 +44,7 @@ class Page:
     def __init__(self, canvas: AnyArray, scale: float) -> None:
         self.canvas, self.scale = canvas, scale
         self._taken: list[Box] = []
+        self._sizes: dict[str, tuple[list[float], list[float]]] = {}
 
     def size_of(self, text: str) -> tuple[float, float]:
         """Return width and height in pixels of a text of one or more lines, with a margin."""
@@ -67,7 +67,7 @@ class Page:
         stacked = text.replace(" ", "\n")
         for words, inside in ((text, 1), (stacked, 1), (text, 0), (short, 1), (short, 0)):
             for box in self._places(words, outline, bool(inside)) if words else ():
-                if not any(box.overlap(other) for other in self._taken):
+                if not any(box.overlaps(other) for other in self._taken):
                     self.write(words, box, colour)
                     return True
         return False
@@ -95,7 +95,11 @@ class Page:
         return max(1, round(self.scale))
 
     def _line_sizes(self, text: str) -> tuple[list[float], list[float]]:
-        lines = text.split("\n")
+        if text not in self._sizes:  # a text is asked for at every place, and asking takes time
+            self._sizes[text] = self._measured(text.split("\n"))
+        return self._sizes[text]
+
+    def _measured(self, lines: list[str]) -> tuple[list[float], list[float]]:
         sizes = [cv2.getTextSize(line, _FONT, self._size, self._pen)[0] for line in lines]
         margin = (4.0 if len(lines) == 1 else 3.0) * self._pen
         return [w + 3.0 * self._pen for w, _ in sizes], [h + margin for _, h in sizes]

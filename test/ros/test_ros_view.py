@@ -45,9 +45,20 @@ def test_a_viewer_sees_what_the_graph_finds(
     graph.spin_until(lambda: feed.images.get_subscription_count() == 1, what="it closes again")
 
 
-def test_it_runs_as_a_process_and_ends_with_code_0(graph, viewer):
+@pytest.mark.parametrize(
+    ("module", "words"),
+    [
+        ("geoprim_ros.nodes.view_node", ["--ros-args", "-p", "port:=0"]),
+        ("geoprim_core.cli.main", ["view", "--port", "0", "--live"]),
+        (
+            "geoprim_core.cli.main",
+            ["view", "--port", "0", "--live", "--ros-args", "-r", "image:=/camera"],
+        ),
+    ],
+)
+def test_it_runs_as_a_process_and_ends_with_code_0(graph, module, words):
     pytest.importorskip("foxglove")
-    process = graph.start("geoprim_ros.nodes.view_node", "--ros-args", "-p", "port:=0")
+    process = graph.start(module, *words)
     watcher = graph.node("watcher")
     graph.spin_until(lambda: "view_node" in watcher.get_node_names(), 90.0)
     process.terminate()
