@@ -13,6 +13,8 @@ NODES = [
     "detector_node",
     "lifecycle_detector",
     "overlay_node",
+    "markers_node",
+    "view_node",
     "pipeline",
     "bag_player",
     "bag_recorder",

@@ -43,3 +43,7 @@ class FileError(GeoprimError, OSError):
 
 class BagError(FileError):
     """A bag cannot be read as asked; the message says what was found in it."""
+
+
+class MissingPackageError(GeoprimError, ImportError):
+    """An optional package is not installed; the message says which command installs it."""

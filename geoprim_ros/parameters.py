@@ -102,7 +102,9 @@ class LiveParams(Generic[P]):
         return float(value) if type(value) is int else value
 
 
-def declare(node: Node, name: str, declared: Option, default: Any) -> Any:
+def declare(
+    node: Node, name: str, declared: Option, default: Any, *, read_only: bool = False
+) -> Any:
     """Declare one ROS parameter and return the value it starts with.
 
     Raises
@@ -111,7 +113,9 @@ def declare(node: Node, name: str, declared: Option, default: Any) -> Any:
         The value given at the start is of another type or out of range.
     """
     try:
-        return node.declare_parameter(name, default, describe(declared)).value
+        descriptor = describe(declared)
+        descriptor.read_only = read_only
+        return node.declare_parameter(name, default, descriptor).value
     except (InvalidParameterTypeException, InvalidParameterValueException) as error:
         hint = " (a number with a decimal point)" if declared.kind is float else ""
         raise ParameterError(name, declared.expectation() + hint, str(error)) from None

@@ -6,40 +6,32 @@ from typing import Any
 
 from geoprim_msgs.msg import Detections as DetectionsMessage
 from geoprim_msgs.msg import EllipseDetections as EllipsesMessage
-from sensor_msgs.msg import CameraInfo
 
 from geoprim_core.applications.sorting import classify
 from geoprim_core.errors import InputError
 from geoprim_core.types import EllipseDetections
-from geoprim_ros.cameras import CameraInfos, CameraParams
+from geoprim_ros.camera_frames import CameraFrames
 from geoprim_ros.conversions import core_message
 from geoprim_ros.sorting import LiveSorting
-from geoprim_ros.stage_node import StageNode, sensor_qos
-
-_CAMERA_DEPTH = 50
+from geoprim_ros.stage_node import StageNode
 
 
 class ResultPublisher:
     """The topics `ellipses`, `detections` and `camera_info` of a node, and its parameters.
 
-    Sizes in metres need the camera_info with the stamp of the frame. Where it comes after the
-    frame, the detections wait for it; where ten later frames wait too, they go out without.
+    Sizes in metres need the camera_info with the stamp of the frame; detections wait for it.
     """
 
     def __init__(self, node: StageNode) -> None:
         self._node = node
         self._sorting = node.follow_with(LiveSorting(node))
-        self._camera_params = node.live_params(CameraParams())
-        self._cameras = CameraInfos()
-        self._topic = node.resolve_topic_name("camera_info")
+        self._cameras = CameraFrames(node, self._publish_objects)
 
     def connect(self) -> None:
         """Advertise the results and read camera_info."""
         self._ellipses = self._node.advertise(EllipsesMessage, "ellipses")
         self._detections = self._node.advertise(DetectionsMessage, "detections")
-        self._node.listen(
-            CameraInfo, "camera_info", self._on_camera, sensor_qos(_CAMERA_DEPTH), frame=False
-        )
+        self._cameras.connect()
 
     def wanted(self) -> bool:
         """Tell whether somebody listens to ellipses or detections."""
@@ -60,41 +52,17 @@ class ResultPublisher:
             return
         if self._sorting.value.plane_distance <= 0:
             self._publish_objects(found, source, None)
-        elif self._camera_params.value.camera_info_sync == "latest":
-            self._publish_objects(found, source, self._cameras.latest())
         else:
-            self._publish_with_camera(found, source)
+            self._cameras.add(found, source)
 
     def clear(self) -> None:
         """Let go of what waits for a camera_info."""
-        self._cameras.overdue(0)
-
-    def _publish_with_camera(self, found: EllipseDetections, source: Any) -> None:
-        info = self._cameras.exact(source)
-        if info is not None:
-            self._publish_objects(found, source, info)
-            return
-        self._cameras.wait(source, found)
-        comes = self._node.count_publishers(self._topic) > 0
-        for late in self._cameras.overdue() if comes else self._cameras.overdue(0):
-            self._node.statistics.without_camera += 1
-            self._publish_objects(*late, None)
-
-    def _on_camera(self, info: Any) -> None:
-        waited = self._cameras.add(info)
-        if waited is not None:
-            self._publish_objects(*waited, info)
+        self._cameras.clear()
 
     def _publish_objects(self, found: EllipseDetections, source: Any, info: Any) -> None:
         try:
             objects = self._sorting.value.sort(found, info)
         except InputError as problem:
-            self._node.reject(f"{problem}{self._hint(info)}")
+            self._node.reject(f"{problem}{self._cameras.hint() if info is None else ''}")
             objects = classify(EllipseDetections.empty(found.image_size))
         self._detections.publish(core_message(objects, source))
-
-    def _hint(self, info: Any) -> str:
-        latest, exact = self._cameras.latest(), self._camera_params.value.camera_info_sync
-        if info is not None or latest is None or exact != "exact":
-            return ""
-        return " with the stamp of the image (camera_info_sync: latest would take any)"

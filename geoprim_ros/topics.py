@@ -22,7 +22,12 @@ TOPICS = (
         "camera",
         "the input with `image_transport: compressed`",
     ),
-    Topic("camera_info", "sensor_msgs/CameraInfo", "camera or `bag_player`", "for sizes in metres"),
+    Topic(
+        "camera_info",
+        "sensor_msgs/CameraInfo",
+        "camera or `bag_player`",
+        "for sizes and markers in metres",
+    ),
     Topic("contours", "geoprim_msgs/Contours", "`edges_node`, `detector_node`", "edge contours"),
     Topic(
         "polygons", "geoprim_msgs/Polygons", "`polygons_node`, `detector_node`", "dominant points"
@@ -40,6 +45,18 @@ TOPICS = (
         "labelled objects",
     ),
     Topic("overlay", "sensor_msgs/Image", "`overlay_node`", "the image with the results drawn"),
+    Topic(
+        "markers",
+        "visualization_msgs/MarkerArray",
+        "`markers_node`",
+        "ellipses on the working plane, in the camera's frame; needs `plane_distance`",
+    ),
+    Topic(
+        "image_markers",
+        "visualization_msgs/ImageMarker",
+        "`markers_node`",
+        "outlines for an image panel; (0, 0) is the corner of the image",
+    ),
     Topic("debug/edges", "sensor_msgs/Image", "`edges_node`, `detector_node`", "edge map"),
     Topic("debug/arcs", "sensor_msgs/Image", "`ellipses_node`, `detector_node`", "smooth arcs"),
     Topic(

@@ -8,7 +8,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from geoprim_core.cli.detector import add_detector_arguments, detector_params
+from geoprim_core.cli.detector import (
+    add_detector_arguments,
+    add_overlay_arguments,
+    detector_params,
+    overlay_params,
+)
 from geoprim_core.ecc import detect_ellipses
 from geoprim_core.errors import FileError, GeoprimError
 from geoprim_core.io.drawing import draw_overlay
@@ -29,11 +34,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object an image")
     add_detector_arguments(parser)
+    add_overlay_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Detect in every image; an image that cannot be used is reported and makes the exit code 1."""
-    params = detector_params(arguments)
+    params, shown = detector_params(arguments), overlay_params(arguments)
     failed = 0
     for path in arguments.images:
         try:
@@ -47,7 +53,9 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"geoprim detect: {path}: incomplete: {found.reason}", file=sys.stderr)
         if arguments.overlay is not None:
             target = _overlay_path(arguments.overlay, path, len(arguments.images))
-            write_image(target, draw_overlay(image, detections=found))
+            scheme = params.ecc.scheme
+            picture = draw_overlay(image, ellipses=found, params=shown, scheme=scheme)
+            write_image(target, picture)
         print(json.dumps(as_json(path, found)) if arguments.json else as_table(path, found))
     return 1 if failed else 0
 

@@ -6,6 +6,7 @@ import argparse
 
 from geoprim_core.cli.options import add_params, given_params
 from geoprim_core.ecc import TABLE, DetectorParams
+from geoprim_core.io.shown import OverlayParams, ViewParams
 
 
 def add_detector_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,3 +28,16 @@ def detector_params(
     if arguments.scheme is not None:
         params = DetectorParams.for_scheme(arguments.scheme)
     return params.updated(given_params(arguments, DetectorParams))
+
+
+def add_overlay_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add every parameter of what is drawn."""
+    add_params(parser, ViewParams, "what is drawn")
+
+
+def overlay_params(
+    arguments: argparse.Namespace, base: OverlayParams | None = None
+) -> OverlayParams:
+    """Return what shall be drawn: that of the base, then what was given one by one."""
+    params = ViewParams(base or OverlayParams())
+    return params.updated(given_params(arguments, ViewParams)).overlay

@@ -17,6 +17,7 @@ from geoprim_core.errors import GeoprimError
 COMMANDS = {
     "detect": "find ellipses in image files; print a table or JSON, draw overlays",
     "process": "run every frame of a bag through the chain, in lockstep, into a new bag",
+    "view": "watch a bag, images or a live graph in Foxglove, with the ellipses on them",
     "bag": "tell what a bag holds, check it for damage, repair it",
     "evaluate": "score an output bag or an image folder against its ground truth",
     "explain": "show every step of a detection as a picture, and why hypotheses were refused",

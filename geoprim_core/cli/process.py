@@ -6,7 +6,12 @@ import argparse
 from pathlib import Path
 
 from geoprim_core.applications import SortingParams
-from geoprim_core.cli.detector import add_detector_arguments, detector_params
+from geoprim_core.cli.detector import (
+    add_detector_arguments,
+    add_overlay_arguments,
+    detector_params,
+    overlay_params,
+)
 from geoprim_core.ecc import DetectorParams
 from geoprim_core.io.config import Config, load_config
 from geoprim_core.io.process import process_bag
@@ -25,6 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--config", type=Path, metavar="YAML", help="a scenario file as the nodes take it"
     )
     add_detector_arguments(parser)
+    add_overlay_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -39,6 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
         params=detector_params(arguments, config.detector),
         sorting=config.sorting,
         plane_distance=config.plane_distance,
+        shown=overlay_params(arguments, config.overlay),
         topic=arguments.topic,
     )
     print(report.table())

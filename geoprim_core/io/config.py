@@ -24,9 +24,13 @@ from geoprim_core._check import describe
 from geoprim_core.applications.sorting import OTHER, PLANE_DISTANCE, ClassParams, SortingParams
 from geoprim_core.ecc import DetectorParams
 from geoprim_core.errors import FileError, ParameterError
+from geoprim_core.io.shown import OverlayParams, ViewParams
 
 # Parameters of the nodes that mean nothing offline.
-_ROS_ONLY = ("use_sim_time", "image_transport", "qos_overrides", "start_type_description_service")
+_ROS_ONLY = (
+    "use_sim_time", "image_transport", "qos_overrides", "start_type_description_service",
+    "markers",
+)  # fmt: skip
 
 
 class Config(NamedTuple):
@@ -38,11 +42,13 @@ class Config(NamedTuple):
     sorting : SortingParams
     plane_distance : float
         Distance of the working plane in metres; 0 where it is not known.
+    overlay : OverlayParams
     """
 
     detector: DetectorParams
     sorting: SortingParams
     plane_distance: float = 0.0
+    overlay: OverlayParams = OverlayParams()
 
 
 def load_config(path: str | os.PathLike[str]) -> Config:
@@ -75,15 +81,20 @@ def load_config(path: str | os.PathLike[str]) -> Config:
 
 def _config(values: dict[str, Any]) -> Config:
     chain = {option.name for option in DetectorParams.options()}
+    shown = {option.name for option in ViewParams.options()}
     classes = {option.name for option in ClassParams.options()}
     labels = values.get("labels", list(SortingParams().classes))
     names = [str(label) for label in labels] if isinstance(labels, list) else []
-    taken = {name.partition(".")[0] for name in chain} | {"labels", OTHER.name, PLANE_DISTANCE.name}
+    taken = {name.partition(".")[0] for name in chain | shown} | {
+        "labels",
+        OTHER.name,
+        PLANE_DISTANCE.name,
+    }
     for name in names:
         if name in taken:
             raise ParameterError("labels", "names that are not parameters themselves", repr(name))
     sorting = {"labels", OTHER.name} | {f"{name}.{field}" for name in names for field in classes}
-    known = chain | sorting | {PLANE_DISTANCE.name}
+    known = chain | shown | sorting | {PLANE_DISTANCE.name}
     for name in values:
         if name not in known:
             near = difflib.get_close_matches(name, known, 1)
@@ -94,6 +105,7 @@ def _config(values: dict[str, Any]) -> Config:
         DetectorParams.from_dict({k: v for k, v in values.items() if k in chain}),
         SortingParams.from_dict({k: v for k, v in values.items() if k in sorting}),
         float(distance),
+        ViewParams.from_dict({k: v for k, v in values.items() if k in shown}).overlay,
     )
 
 

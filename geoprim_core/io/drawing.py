@@ -6,18 +6,19 @@ import cv2
 import numpy as np
 
 from geoprim_core import _check
-from geoprim_core._check import AnyArray, BoolArray, FloatArray
+from geoprim_core._check import AnyArray, FloatArray
 from geoprim_core.applications import ellipse_outlines
 from geoprim_core.errors import InputError
+from geoprim_core.io.lettering import Page, draw_caption, draw_legend
+from geoprim_core.io.shown import OverlayParams, Shown, to_show
 from geoprim_core.types import Contours, Detections, EllipseDetections, Polygons
 
 _SHIFT = 4  # OpenCV draws at sixteenths of a pixel
 _FAR = 30_000.0  # drawing ends this many pixels outside, where coordinates still fit
-_FONT = cv2.FONT_HERSHEY_SIMPLEX
 _CONTOUR = (255, 160, 60)
 _POLYGON = (80, 220, 255)
-# Colours of the scores 0, 1/2 and 1: blue, green and red channels.
-_RAMP = ((255.0, 0.0, 60.0), (40.0, 220.0, 255.0), (255.0, 255.0, 40.0))
+_EDGE = (0.0, 0.0, 0.0)
+_VGA = 640.0
 
 
 def draw_overlay(
@@ -27,7 +28,9 @@ def draw_overlay(
     ellipses: EllipseDetections | None = None,
     detections: Detections | EllipseDetections | None = None,
     *,
+    params: OverlayParams | None = None,
     labels: bool = True,
+    scheme: str = "",
     caption: str = "",
 ) -> AnyArray:
     """Return a copy of an image with results drawn on it.
@@ -41,11 +44,15 @@ def draw_overlay(
     polygons : Polygons, optional
         Drawn with their vertices; needs the contours they belong to.
     ellipses, detections : EllipseDetections or Detections, optional
-        Outlines, coloured from magenta (score 0) over yellow to green (score 1). An ellipse
-        that is among the detections is drawn once.
+        Outlines, coloured by score from violet over orange to yellow, with a black edge. An
+        ellipse that is among the detections is drawn once. Where there is no room for a text
+        it is shortened to its number or left out, the lower scores first.
+    params : OverlayParams, optional
+        What is written, and the scale of the colours.
     labels : bool
-        Write the labels and scores of the detections, or the scores of the ellipses where there
-        are no detections.
+        False: outlines only, no text and no legend.
+    scheme : str
+        A line of the legend, what found the ellipses; `params.title` takes its place.
     caption : str
         A line of text for the top left corner.
 
@@ -65,28 +72,37 @@ def draw_overlay(
     >>> disc = Ellipses.from_array([[20, 20, 12, 12, 0]])
     >>> found = Detections(("coin",), score=[1.0], boxes=[[8, 8, 32, 32]], ellipses=disc)
     >>> overlay = draw_overlay(scene, detections=found, labels=False)
-    >>> overlay[20, 20].tolist(), overlay[20, 32].argmax().tolist()  # green on the outline
-    ([0, 0, 0], 1)
+    >>> overlay[20, 20].tolist(), (overlay[20, 32] > 150).tolist()  # yellow on the outline
+    ([0, 0, 0], [False, True, True])
     """
-    canvas = _canvas(image)
+    canvas = displayed(image)
+    params = params or OverlayParams()
+    page = Page(canvas, params.size or overlay_scale(canvas.shape))
     if contours is not None:
         _draw_contours(canvas, contours)
     if polygons is not None:
         if contours is None:
             raise InputError("contours", "the Contours that the polygons belong to", "None")
-        _draw_polygons(canvas, polygons, contours)
-    objects = detections is not None and len(detections) > 0
-    if ellipses is not None:
-        others = ellipses.select(_not_among(ellipses, detections))
-        _draw_found(canvas, others, labels and not objects)
-    if detections is not None:
-        _draw_found(canvas, detections, labels)
+        _draw_polygons(page, polygons, contours)
+    shown = to_show(ellipses, detections, params)
+    outlines = ellipse_outlines(shown.ellipses, 128)
+    _draw_outlines(page, outlines, shown, params)
     if caption:
-        _write(canvas, caption, (4.0, 4.0 + 14.0 * _scale(canvas)), (255, 255, 255))
+        draw_caption(page, caption)
+    if labels:
+        _draw_legend(page, outlines, shown, params, scheme)
+        _write_texts(page, outlines, shown, params)
     return canvas
 
 
-def _canvas(image: AnyArray) -> AnyArray:
+def displayed(image: AnyArray) -> AnyArray:
+    """Return a copy (H, W, 3) uint8 in BGR order of an image, other depths stretched.
+
+    Examples
+    --------
+    >>> displayed(np.array([[0.0, 0.5], [1.0, 0.25]]))[:, :, 0].tolist()
+    [[0, 127], [255, 63]]
+    """
     array = _check.image(image)
     if array.dtype != np.uint8:
         low, high = float(array.min()), float(array.max())
@@ -97,9 +113,21 @@ def _canvas(image: AnyArray) -> AnyArray:
     return np.array(array[:, :, :3], order="C")
 
 
-def _scale(canvas: AnyArray) -> float:
-    """Return how much larger than on a VGA image lines and letters have to be."""
-    return float(max(1.0, max(canvas.shape[:2]) / 1600))
+def overlay_scale(shape: tuple[int, ...]) -> float:
+    """Return how much larger than on a VGA image lines and letters have to be.
+
+    A larger picture is looked at from nearer, hence the root.
+
+    Parameters
+    ----------
+    shape : (height, width, ...)
+
+    Examples
+    --------
+    >>> overlay_scale((480, 640)), overlay_scale((1920, 2560))
+    (1.0, 2.0)
+    """
+    return float(max(1.0, np.sqrt(max(shape[:2]) / _VGA)))
 
 
 def _fixed(points: FloatArray) -> AnyArray:
@@ -117,9 +145,9 @@ def _draw_contours(canvas: AnyArray, contours: Contours) -> None:
     canvas[y, x] = _CONTOUR
 
 
-def _draw_polygons(canvas: AnyArray, polygons: Polygons, contours: Contours) -> None:
+def _draw_polygons(page: Page, polygons: Polygons, contours: Contours) -> None:
     vertices = _fixed(polygons.vertices(contours))
-    thickness = round(_scale(canvas))
+    canvas, thickness = page.canvas, round(page.scale)
     curves = [vertices[a:b] for a, b in zip(polygons.offsets, polygons.offsets[1:], strict=False)]
     for closed in (False, True):
         chosen = [c for c, flag in zip(curves, polygons.closed, strict=True) if flag == closed]
@@ -128,42 +156,34 @@ def _draw_polygons(canvas: AnyArray, polygons: Polygons, contours: Contours) -> 
         cv2.circle(canvas, (x, y), 24 * thickness, _POLYGON, -1, cv2.LINE_AA, _SHIFT)
 
 
-def _draw_found(canvas: AnyArray, found: Detections | EllipseDetections, labels: bool) -> None:
-    outlines = _fixed(ellipse_outlines(found.ellipses, 128))
-    centres, minor = found.ellipses.array()[:, :2].tolist(), found.ellipses.semi_minor.tolist()
-    scale = _scale(canvas)
-    names = found.labels if isinstance(found, Detections) else ("",) * len(found)
-    for i in reversed(range(len(found))):  # the best on top
-        colour = _colour(float(found.score[i]))
-        cv2.polylines(canvas, [outlines[i]], True, colour, round(scale), cv2.LINE_AA, _SHIFT)
-        if labels:
-            text = f"{names[i]} {found.score[i]:.2f}".strip()
-            width = 6.0 * scale * len(text)
-            roomy = minor[i] > 0.6 * width
-            above = outlines[i, :, 1].min() / (1 << _SHIFT) - 3 * scale
-            y = centres[i][1] + 4 * scale if roomy else above
-            _write(canvas, text, (centres[i][0] - width / 2, y), colour)
+def _draw_outlines(page: Page, outlines: FloatArray, shown: Shown, params: OverlayParams) -> None:
+    """Draw all edges first, then the colours, the best on top."""
+    fixed, colours = list(_fixed(outlines)), _bgr(shown.colours(params))
+    pen = max(1, round(page.scale))
+    for i in reversed(range(len(shown))):
+        for paint, width in ((_EDGE, pen + 1), (colours[i], pen)):
+            cv2.polylines(page.canvas, [fixed[i]], True, paint, width, cv2.LINE_AA, _SHIFT)
 
 
-def _not_among(
-    ellipses: EllipseDetections, detections: Detections | EllipseDetections | None
-) -> BoolArray:
-    """Return which ellipses are not those of a detection."""
-    drawn = set() if detections is None else set(map(tuple, detections.ellipses.array().tolist()))
-    return np.array([tuple(row) not in drawn for row in ellipses.ellipses.array().tolist()], bool)
+def _write_texts(page: Page, outlines: FloatArray, shown: Shown, params: OverlayParams) -> None:
+    """Write number, class and score, the best first; where there is no room less, or nothing."""
+    numbers = [f"#{i}" * params.ids for i in shown.ids]
+    colours = _bgr(shown.colours(params))
+    for i, text in enumerate(shown.texts(params)):
+        page.write_at(outlines[i], text, numbers[i], colours[i])
 
 
-def _colour(score: float) -> tuple[float, ...]:
-    return tuple(float(np.interp(score, (0.0, 0.5, 1.0), channel)) for channel in _RAMP)
+def _draw_legend(
+    page: Page, outlines: FloatArray, shown: Shown, params: OverlayParams, scheme: str
+) -> None:
+    if not params.legend:
+        return
+    noun = "ellipse" if len(shown) == 1 else "ellipses"
+    title = params.title or scheme
+    lines = (f"{len(shown)} {noun}", title) if title else (f"{len(shown)} {noun}",)
+    low, high = params.score_low, params.score_high
+    draw_legend(page, lines, low, high, outlines.reshape(-1, 2))
 
 
-def _write(canvas: AnyArray, text: str, at: tuple[float, float], colour: tuple[float, ...]) -> None:
-    """Write text with a shadow; its base line starts at a point, moved where it would not fit."""
-    scale = _scale(canvas)
-    height, width = canvas.shape[:2]
-    x = min(max(at[0], 1.0), max(1.0, width - 6.0 * scale * len(text)))
-    y = min(max(at[1], 10.0 * scale), height - 3.0)
-    size, step = 0.36 * scale, round(scale)
-    for shift, paint in ((step, (0.0, 0.0, 0.0)), (0, colour)):
-        place = (round(x) + shift, round(y) + shift)
-        cv2.putText(canvas, text, place, _FONT, size, paint, step, cv2.LINE_AA)
+def _bgr(colours: FloatArray) -> list[tuple[float, ...]]:
+    return [tuple(row) for row in (255 * colours[:, ::-1]).round().tolist()]

@@ -13,6 +13,7 @@ from geoprim_core.ecc import DetectorParams, trace_detection
 from geoprim_core.ecc.refined import RefinedTrace
 from geoprim_core.ecc.schemes import SchemeTrace
 from geoprim_core.io.drawing import draw_overlay
+from geoprim_core.io.shown import OverlayParams
 from geoprim_core.types import EllipseDetections, Ellipses
 
 _DIM = 0.35  # of the image's brightness, under coloured arcs
@@ -110,7 +111,9 @@ def draw_arcs(image: AnyArray, trace: SchemeTrace | RefinedTrace) -> AnyArray:
 
 def draw_hypotheses(image: AnyArray, hypotheses: tuple[Hypothesis, ...]) -> AnyArray:
     """Return the (H, W, 3) image with every hypothesis and its saliency."""
-    return draw_overlay(image, ellipses=_as_detections(hypotheses))
+    # Saliencies of the refused ones fill the whole scale; they have no numbers in any message.
+    params = OverlayParams(score_low=0.0, ids=False)
+    return draw_overlay(image, ellipses=_as_detections(hypotheses), params=params)
 
 
 def judged_hypotheses(trace: SchemeTrace | RefinedTrace) -> tuple[Hypothesis, ...]:

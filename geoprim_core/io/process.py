@@ -24,6 +24,7 @@ from geoprim_core.io.drawing import draw_overlay
 from geoprim_core.io.images import write_image
 from geoprim_core.io.process_report import BadFrame, ProcessReport, SequenceReport
 from geoprim_core.io.record import stamp_of
+from geoprim_core.io.shown import OverlayParams
 from geoprim_core.io.wire import to_wire
 from geoprim_core.types import Contours, Detections, EllipseDetections, Polygons
 
@@ -41,6 +42,7 @@ def process_bag(
     params: DetectorParams | None = None,
     sorting: SortingParams | None = None,
     plane_distance: float = 0.0,
+    shown: OverlayParams | None = None,
     topic: str = "image",
     progress: bool = True,
     force_progress: bool = False,
@@ -63,6 +65,8 @@ def process_bag(
     params, sorting : DetectorParams, SortingParams, optional
     plane_distance : float
         Distance of the working plane from the camera in metres; 0 where it is not known.
+    shown : OverlayParams, optional
+        What the overlays show.
     topic : str
         The image topic.
     progress : bool
@@ -88,7 +92,8 @@ def process_bag(
     target = _new_file(reader, Path(output))
     chain = Chain(params or DetectorParams(), sorting or SortingParams(), plane_distance)
     cameras = _Cameras(reader, images.name.rpartition("/")[0] + "/camera_info")
-    run = _Run(chain, cameras, None if overlays is None else Path(overlays), overlay_every)
+    folder = None if overlays is None else Path(overlays)
+    run = _Run(chain, cameras, folder, overlay_every, shown)
     copied = [t.name for t in reader.topics() if _plain(t.name) == GROUND_TRUTH] + cameras.topics
     with BagWriter(target) as bag, _bar(images.count, progress, force_progress) as bar:
         for name, values in reader.metadata.items():
@@ -166,10 +171,15 @@ class _Run:
     """The state of a run: what was counted and drawn so far."""
 
     def __init__(
-        self, chain: Chain, cameras: _Cameras, overlays: Path | None, overlay_every: int
+        self,
+        chain: Chain,
+        cameras: _Cameras,
+        overlays: Path | None,
+        overlay_every: int,
+        shown: OverlayParams | None,
     ) -> None:
         self._chain, self._cameras = chain, cameras
-        self._overlays, self._every = overlays, overlay_every
+        self._overlays, self._every, self._shown = overlays, overlay_every, shown
         self._sequences: dict[str, SequenceReport] = {}
         self._bad: list[BadFrame] = []
         self._pictures: list[Path] = []
@@ -224,7 +234,13 @@ class _Run:
         wanted = number % self._every == 0 if self._every > 0 else number == 0
         if self._overlays is None or not wanted or frame.image is None:
             return
-        picture = draw_overlay(frame.image, ellipses=results.ellipses, detections=results.objects)
+        picture = draw_overlay(
+            frame.image,
+            ellipses=results.ellipses,
+            detections=results.objects,
+            params=self._shown,
+            scheme=self._chain.params.ecc.scheme,
+        )
         name = re.sub(r"[^\w.-]+", "_", frame.frame_id).strip(".") or "frame"
         path = self._overlays / f"{name}_{number:05d}.png"
         write_image(path, picture)

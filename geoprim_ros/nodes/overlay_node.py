@@ -3,33 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
-from geoprim_msgs.msg import Detections, EllipseDetections
 from sensor_msgs.msg import Image
 
 from geoprim_core.io.drawing import draw_overlay
 from geoprim_core.io.image_message import image_from_message
+from geoprim_core.io.shown import ViewParams
 from geoprim_core.io.wire import from_wire
-from geoprim_core.params import Params, option
 from geoprim_ros.conversions import image_to_message
-from geoprim_ros.image_input import ImageInput
-from geoprim_ros.pairing import StampPairs
+from geoprim_ros.found_frames import FoundFrames
 from geoprim_ros.spin import run
-from geoprim_ros.stage_node import StageNode, result_qos
-
-# Results come later than their image, so the image waits for them.
-_IMAGES_KEPT = 20
-
-
-@dataclass(frozen=True)
-class OverlayParams(Params):
-    """What the overlay shows."""
-
-    show_ellipses: bool = option(True, "draw all ellipses")
-    show_detections: bool = option(True, "draw the labelled objects")
-    show_labels: bool = option(True, "write scores and labels")
+from geoprim_ros.stage_node import StageNode
 
 
 class OverlayNode(StageNode):
@@ -37,33 +22,22 @@ class OverlayNode(StageNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("overlay_node", **options)
-        self._params = self.live_params(OverlayParams())
-        self._pairs = StampPairs(("image", "ellipses", "detections"), _IMAGES_KEPT)
+        self._params = self.live_params(ViewParams())
+        self._frames = FoundFrames(self, self._draw)
         self._overlay = self.advertise(Image, "overlay")
-        for kind, topic in ((EllipseDetections, "ellipses"), (Detections, "detections")):
-            self.listen(kind, topic, self._receiver(topic), result_qos(), frame=False)
-        ImageInput(self).connect(self._receiver("image"), _IMAGES_KEPT)
+        self._frames.connect()
 
     def paused(self) -> None:
         """Let go of the images that wait for their results."""
-        self._pairs.clear()
-
-    def _receiver(self, topic: str) -> Any:
-        return lambda message: self._on(topic, message)
-
-    def _on(self, topic: str, message: Any) -> None:
-        pair = self._pairs.add(topic, message)
-        self.statistics.unpaired = self._pairs.unpaired
-        if pair is not None:
-            self._draw(**pair)
+        self._frames.clear()
 
     def _draw(self, image: Any, ellipses: Any, detections: Any) -> None:
-        shown = self._params.value
-        objects: Any = from_wire(detections) if shown.show_detections else None
-        found: Any = from_wire(ellipses) if shown.show_ellipses else None
+        found: Any = from_wire(ellipses)
+        objects: Any = from_wire(detections)
         picture = draw_overlay(
-            image_from_message(image), ellipses=found, detections=objects, labels=shown.show_labels
-        )
+            image_from_message(image), ellipses=found, detections=objects,
+            params=self._params.value.overlay,
+        )  # fmt: skip
         self._overlay.publish(image_to_message(picture, image))
         self.statistics.frames_out += 1
 

@@ -12,6 +12,7 @@ from geoprim_ros.nodes.detector_node import DetectorNode
 from geoprim_ros.nodes.edges_node import EdgesNode
 from geoprim_ros.nodes.ellipses_node import EllipsesNode
 from geoprim_ros.nodes.lifecycle_detector import LifecycleDetector
+from geoprim_ros.nodes.markers_node import MarkersNode
 from geoprim_ros.nodes.overlay_node import OverlayNode
 from geoprim_ros.nodes.polygons_node import PolygonsNode
 from geoprim_ros.spin import run, split_ros_args
@@ -24,6 +25,7 @@ STAGES: dict[str, Callable[..., StageNode]] = {
     "detector": DetectorNode,
     "lifecycle_detector": LifecycleDetector,
     "overlay": OverlayNode,
+    "markers": MarkersNode,
 }
 
 

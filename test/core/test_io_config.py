@@ -6,10 +6,12 @@ import pytest
 import yaml
 
 from geoprim_core.applications import ClassParams
-from geoprim_core.applications.sorting import OTHER, PLANE_DISTANCE
+from geoprim_core.applications.sorting import OTHER
 from geoprim_core.ecc import DetectorParams
 from geoprim_core.errors import FileError, ParameterError
 from geoprim_core.io.config import load_config
+from geoprim_core.io.marker_message import MarkersParams
+from geoprim_core.io.shown import OverlayParams, ViewParams
 from geoprim_core.synthetic import SORTING_LINES
 
 FOLDER = Path(__file__).resolve().parents[2] / "config"
@@ -34,7 +36,8 @@ def flat(values, prefix=""):
 def test_every_shipped_key_is_a_parameter_of_its_very_type(path):
     """ROS takes 1 for a whole number and refuses it where a parameter is a float."""
     values = yaml.safe_load(path.read_text())["/**"]["ros__parameters"]
-    options = {o.name: o for o in (*DetectorParams.options(), OTHER, PLANE_DISTANCE)}
+    params = (DetectorParams, ViewParams, MarkersParams)
+    options = {o.name: o for kind in params for o in kind.options()} | {OTHER.name: OTHER}
     for label in values["labels"]:
         options |= {f"{label}.{o.name}": o for o in ClassParams.options()}
     for name, value in flat(values):
@@ -50,6 +53,7 @@ def test_there_is_a_file_for_every_rendered_line_and_a_default():
     assert names <= {path.name for path in SHIPPED}
     default = load_config(FOLDER / "default.yaml")
     assert default.detector == DetectorParams()
+    assert default.overlay == OverlayParams()
     assert list(default.sorting.classes) == ["ellipse"]
 
 

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
-from geoprim_core.errors import InputError
-from geoprim_core.io.drawing import draw_overlay
+from geoprim_core.errors import InputError, ParameterError
+from geoprim_core.io.drawing import draw_overlay, overlay_scale
+from geoprim_core.io.lettering import Page
+from geoprim_core.io.score_colours import score_colours
+from geoprim_core.io.shown import OverlayParams, to_show
 from geoprim_core.types import Contours, Detections, EllipseDetections, Ellipses, Polygons
 
 
@@ -23,15 +26,23 @@ def test_the_outline_lies_on_the_ellipse_and_the_rest_is_untouched():
     x, y, a, b, angle = 80.3, 59.6, 50.25, 30.5, 0.7
     overlay = draw_overlay(image, ellipses=found([[x, y, a, b, angle]], 1.0), labels=False)
     rows, columns = np.nonzero((overlay != image).any(axis=2))
+    touched = distance_to_ellipse(columns, rows, x, y, a, b, angle)
+    assert touched.max() < 3.0  # with the black edge
+    lit = overlay.max(axis=2).astype(float) - 40
+    rows, columns = np.nonzero(lit > 0)
+    distance = distance_to_ellipse(columns, rows, x, y, a, b, angle)
+    weight = lit[rows, columns]
+    assert len(rows) > 2 * np.pi * b
+    assert distance.max() < 1.6
+    assert (weight * distance).sum() / weight.sum() < 0.5
+
+
+def distance_to_ellipse(columns, rows, x, y, a, b, angle):
     dx, dy = columns - x, rows - y
     u = dx * np.cos(angle) + dy * np.sin(angle)
     v = dy * np.cos(angle) - dx * np.sin(angle)
     level = np.hypot(u / a, v / b)
-    distance = np.abs(level - 1) * level / np.hypot(u / a**2, v / b**2)
-    assert len(rows) > 2 * np.pi * b
-    assert distance.max() < 1.6
-    weight = np.abs(overlay[rows, columns].astype(float) - 40).sum(axis=1)
-    assert (weight * distance).sum() / weight.sum() < 0.5
+    return np.abs(level - 1) * level / np.hypot(u / a**2, v / b**2)
 
 
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
@@ -59,14 +70,86 @@ def test_contour_pixels_are_coloured_and_those_outside_left_out():
     assert np.argwhere(overlay.any(axis=2)).tolist() == [[3, 2], [4, 3], [5, 4]]
 
 
-def test_better_scores_are_greener():
+def lightness(colours):
+    """Return CIE L* (n,) of red, green, blue (n, 3) in [0, 1]."""
+    linear = np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
+    return 116 * np.cbrt(linear @ [0.2126, 0.7152, 0.0722]) - 16
+
+
+def test_colours_of_scores_grow_lighter_and_never_dark():
+    light = lightness(score_colours(np.linspace(0, 1, 101)))
+    assert (np.diff(light) > 0.2).all()
+    assert light[0] > 35  # told from the black edge
+    assert light[-1] > 90
+
+
+def test_colours_outside_the_scale_are_those_of_its_ends():
+    ends = score_colours(np.array([0.5, 1.0]), 0.5, 1.0)
+    np.testing.assert_array_equal(score_colours(np.array([0.0, 7.0]), 0.5, 1.0), ends)
+    with pytest.raises(ParameterError, match="score_low"):
+        OverlayParams(score_low=0.7, score_high=0.7)
+
+
+def test_better_scores_are_lighter_on_the_picture():
     def colour(score):
         circle = found([[20, 20, 15, 15, 0]], score)
-        return draw_overlay(np.zeros((40, 40), np.uint8), ellipses=circle, labels=False)[20, 35]
+        drawn = draw_overlay(np.zeros((40, 40), np.uint8), ellipses=circle, labels=False)
+        return drawn[20, 35, ::-1] / 255
 
-    ranks = [int(c[1]) - int(c[2]) for c in (colour(0.0), colour(0.5), colour(1.0))]
-    assert ranks == sorted(ranks)
-    assert ranks[0] < 0 < ranks[2]
+    light = lightness(np.array([colour(score) for score in (0.5, 0.75, 1.0)]))
+    assert (np.diff(light) > 10).all()
+
+
+def test_the_legend_lies_where_nothing_is_drawn_and_can_be_left_out():
+    ground = np.full((300, 400), 90, np.uint8)
+    one = found([[100, 220, 60, 40, 0]], 0.9)  # bottom left
+    plain = draw_overlay(ground, ellipses=one, params=OverlayParams(legend=False))
+    legend = draw_overlay(ground, ellipses=one, scheme="refined")
+    x = np.nonzero((plain != legend).any(axis=2))[1]
+    assert len(x)
+    assert x.min() > 160
+    outlines = draw_overlay(ground, ellipses=one, labels=False)
+    nothing = OverlayParams(legend=False, ids=False, scores=False)
+    np.testing.assert_array_equal(outlines, draw_overlay(ground, ellipses=one, params=nothing))
+
+
+def test_texts_do_not_lie_on_each_other():
+    page = Page(np.zeros((200, 200, 3), np.uint8), 1.0)
+    turn = np.linspace(0, 2 * np.pi, 90)
+    circle = 100 + 30 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    written = []
+    while True:  # on one circle, until there is no more room
+        before = page.canvas.copy()
+        if not page.write_at(circle, "#0 coin 1.00", "#0", (255.0, 255.0, 255.0)):
+            break
+        written.append((page.canvas != before).any(axis=2))
+    assert len(written) >= 5
+    assert (np.sum(written, axis=0) <= 1).all()
+
+
+@pytest.mark.parametrize("size", [(480, 640), (1500, 2000)])
+def test_letters_are_of_a_readable_size(size):
+    page = Page(np.zeros((*size, 3), np.uint8), overlay_scale(size))
+    assert 12 <= page.size_of("#0 1.00")[1] <= 0.04 * size[0]
+
+
+def test_numbers_are_places_in_the_message_of_the_ellipses():
+    three = found([[30, 40, 20, 15, 0.4], [70, 40, 20, 15, 0.4], [90, 90, 9, 9, 0]], 1.0)
+    last = Detections(("a",), np.ones(1), np.zeros((1, 4)), three.ellipses.select([2]))
+    shown = to_show(three, last)
+    assert shown.ids == (0, 1, 2)
+    assert shown.labels == ("", "", "a")
+    only = to_show(three, last, OverlayParams(ellipses=False))
+    assert (only.ids, only.labels) == ((2,), ("a",))
+    np.testing.assert_array_equal(only.ellipses.array(), last.ellipses.array())
+
+
+def test_an_object_that_is_no_ellipse_of_the_frame_is_shown_too():
+    one = found([[30, 40, 20, 15, 0.4]], 0.9)
+    other = Detections(("a",), np.ones(1), np.zeros((1, 4)), Ellipses.from_array([[9, 9, 5, 5, 0]]))
+    shown = to_show(one, other)
+    assert (shown.ids, shown.labels) == ((0, 1), ("", "a"))
+    assert shown.score.tolist() == [0.9, 1.0]
 
 
 def test_an_ellipse_that_is_a_detection_too_is_drawn_once():

@@ -101,7 +101,9 @@ def test_what_went_by_while_nobody_listened_is_not_called_dropped(graph, make_fe
     assert (counts.frames_in, counts.passed, counts.dropped) == (2, 5, 0)
 
 
-@pytest.mark.parametrize("name", ["edges", "polygons", "ellipses", "detector", "overlay"])
+@pytest.mark.parametrize(
+    "name", ["edges", "polygons", "ellipses", "detector", "overlay", "markers"]
+)
 def test_every_stage_has_the_service_enable(graph, make_feed, told, name):
     """Disabled in its own process: no subscription, and /diagnostics says so."""
     graph.start(f"geoprim_ros.nodes.{name}_node", "--ros-args", "-p", "lazy:=false")

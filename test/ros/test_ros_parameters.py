@@ -19,6 +19,7 @@ from geoprim_ros.chain import work_once
 from geoprim_ros.nodes.detector_node import DetectorNode
 from geoprim_ros.nodes.edges_node import EdgesNode
 from geoprim_ros.nodes.ellipses_node import EllipsesNode
+from geoprim_ros.nodes.markers_node import MarkersNode
 from geoprim_ros.nodes.overlay_node import OverlayNode
 from geoprim_ros.nodes.polygons_node import PolygonsNode
 from geoprim_ros.param_dump import as_yaml, parameters_of
@@ -185,8 +186,14 @@ def test_a_parameter_file_arrives_whole(graph, path):
     """Every value of the file is the parameter's value and part of the objects made from it."""
     (section,) = yaml.safe_load(path.read_text()).values()
     wanted = dict(_flat(section["ros__parameters"]))
-    node = graph.add(
-        DetectorNode(context=graph.context, cli_args=["--ros-args", "--params-file", str(path)])
+    args = ["--ros-args", "--params-file", str(path)]
+    node = graph.add(DetectorNode(context=graph.context, cli_args=args))
+    markers = graph.add(MarkersNode(context=graph.context, cli_args=args))
+    drawn = {n: wanted.pop(n) for n in list(wanted) if n.startswith(("overlay.", "markers."))}
+    for name, value in drawn.items():
+        assert markers.get_parameter(name).value == value, name
+    assert {**markers._params.value.to_dict(), **markers._style.value.to_dict()}.items() >= (
+        drawn.items()
     )
     for name, value in wanted.items():
         assert node.get_parameter(name).value == value, name
@@ -199,7 +206,7 @@ def test_a_parameter_file_arrives_whole(graph, path):
     assert task.plane_distance == distance
 
 
-@pytest.mark.parametrize("kind", [EdgesNode, PolygonsNode, EllipsesNode, OverlayNode])
+@pytest.mark.parametrize("kind", [EdgesNode, PolygonsNode, EllipsesNode, OverlayNode, MarkersNode])
 def test_one_parameter_file_serves_every_node(graph, kind):
     """No node has a parameter of another type under a name that the files use."""
     for path in SCENARIOS:
@@ -249,7 +256,7 @@ def test_qos_can_be_overridden(graph):
 
 NODES = {
     kind: f"{kind.__name__}".removesuffix("Node").lower() + "_node"
-    for kind in (EdgesNode, PolygonsNode, EllipsesNode, OverlayNode, DetectorNode)
+    for kind in (EdgesNode, PolygonsNode, EllipsesNode, OverlayNode, MarkersNode, DetectorNode)
 }
 CHOICES = [(o.name, choice) for o in DetectorParams.options() for choice in o.choices]
 
@@ -260,6 +267,8 @@ def _another(option, value):
         return next(c for c in option.choices if c != value) if len(option.choices) > 1 else value
     if option.kind is bool:
         return not value
+    if option.kind is str:
+        return value + "other"
     low = 0 if option.low is None else option.low
     high = 100 if option.high is None else option.high
     middle = option.kind(low + 0.75 * (value - low) if value > low else min(high, low + 1))

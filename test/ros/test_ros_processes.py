@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 STAMP = Path(sys.prefix, "share", "geoprim_msgs", "build_stamp")
 NODES = (
     "edges_node", "polygons_node", "ellipses_node", "detector_node", "overlay_node",
-    "lifecycle_detector",
+    "markers_node", "lifecycle_detector",
 )  # fmt: skip
 
 
