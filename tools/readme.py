@@ -1,4 +1,4 @@
-"""Writes the generated tables of README.md from the code; `--check` only compares.
+"""Writes the generated tables of README.md and docs/ from the code; `--check` only compares.
 
 A table stands between `<!-- table: NAME -->` and `<!-- end -->`.
 """
@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-README = ROOT / "README.md"
+PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
 BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -96,19 +96,18 @@ def filled(text: str) -> str:
 
 
 def main() -> int:
-    """Write the README, or with --check tell whether it is up to date."""
+    """Write the pages, or with --check tell which are not up to date."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true", help="only compare, exit code 1 if stale")
     arguments = parser.parse_args()
-    text = README.read_text()
-    new = filled(text)
-    if new == text:
-        return 0
-    if arguments.check:
-        print("README.md: its tables are stale; run ./run exec python tools/readme.py")
-        return 1
-    README.write_text(new)
-    return 0
+    texts = {page: page.read_text() for page in PAGES}
+    stale = {page: new for page, text in texts.items() if (new := filled(text)) != text}
+    for page, new in stale.items():
+        if arguments.check:
+            print(f"{page.name}: its tables are stale; run ./run exec python tools/readme.py")
+        else:
+            page.write_text(new)
+    return int(arguments.check and bool(stale))
 
 
 if __name__ == "__main__":

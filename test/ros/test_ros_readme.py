@@ -40,8 +40,11 @@ ELSEWHERE = {
     "./run test": "it runs this test",
     "colcon build --base-paths src src/geoprim/msg_defs": "needs a system ROS",
 }
-ENDLESS = tuple(
-    f"geoprim_ros.nodes.{name}" for name in ("pipeline", "lifecycle_detector", "bag_recorder")
+ENDLESS = (
+    "geoprim_ros.nodes.pipeline",
+    "geoprim_ros.nodes.lifecycle_detector",
+    "geoprim_ros.nodes.bag_recorder",
+    "view",
 )
 
 
