@@ -16,14 +16,15 @@ from geoprim_core.ecc._kernels_refined_fit import (
     offset_of,
     refit,
 )
-from geoprim_core.ecc._kernels_refined_support import (
+from geoprim_core.ecc._kernels_refined_outline import (
     COVERED,
     IN_FRAME,
     STEPS,
     Int32Array,
+    Walk,
     collect,
-    hopeless,
 )
+from geoprim_core.ecc._kernels_refined_support import hopeless
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
 LEAST_REACH = 0.7  # pixels
@@ -119,6 +120,7 @@ def improve(
     found: int,
     stamp: IntArray,
     mark: int,
+    walk: Walk,
     chosen: IntArray,
     sums: FloatArray,
     work: FloatArray,
@@ -150,6 +152,7 @@ def improve(
             polarity,
             stamp,
             mark + step,
+            walk,
             chosen,
             sums,
         )
@@ -213,6 +216,7 @@ def polish_support(
     polarity: int,
     stamp: IntArray,
     mark: int,
+    walk: Walk,
     chosen: IntArray,
     count: int,
     sums: FloatArray,
@@ -233,6 +237,7 @@ def polish_support(
             polarity,
             stamp,
             mark + step,
+            walk,
             chosen,
             sums,
         )

@@ -5,14 +5,21 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_at
+from geoprim_core.ecc._kernels_refined_outline import (
+    COVERED,
+    CROSSING,
+    IN_FRAME,
+    SQUARES,
+    STEPS,
+    TURN,
+    TURN_COVERED,
+    TURNED,
+    Int32Array,
+)
 from geoprim_core.fitting._kernels_shape import perimeter_of
-
-Int32Array = npt.NDArray[np.int32]
 
 PROBES = 32
 PROBE_COS = np.cos(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
@@ -21,10 +28,6 @@ CLEAN_RMS = 0.1  # pixels, the scatter of clean edges
 CLEAN_ROUND = 0.01  # semi-minor axes, that of small clean ellipses
 CLEAN_SLANT = 0.04  # radians, that of their gradients
 CLEAN_ENDS = 0.3  # share of ends that nothing explains
-ACROSS = 0.82  # cosine of 35 degrees: an edge point turned further crosses the outline
-
-# Columns of the sums that `collect` makes.
-STEPS, IN_FRAME, COVERED, TURN, TURN_COVERED, SQUARES, TURNED, CROSSING, SUMS = range(9)
 
 
 @kernel
@@ -101,130 +104,6 @@ def probe(
         if has_direction(head, following, normals, px, py, nx, ny, polarity):
             hits += 1
     return hits / inside if inside > 0 else 0.0
-
-
-@kernel
-def turned(cos: float, sin: float, angle: float) -> tuple[float, float]:
-    """Return the cosine and sine of an angle turned on by a small one."""
-    half = 0.5 * angle
-    grow = 1.0 / (1.0 + half * half)
-    cd, sd = (1.0 - half * half) * grow, 2.0 * half * grow
-    return cos * cd - sin * sd, sin * cd + cos * sd
-
-
-@kernel
-def middle_of_step(
-    ct: float, st: float, a: float, b: float, stride: float
-) -> tuple[float, float, float]:
-    """Return cosine and sine of the parameter amidst the step from a place, and its length."""
-    dt = min(0.5, stride / math.sqrt(a * a * st * st + b * b * ct * ct))
-    mid_ct, mid_st = turned(ct, st, 0.5 * dt)
-    dt = min(0.5, stride / math.sqrt(a * a * mid_st * mid_st + b * b * mid_ct * mid_ct))
-    mid_ct, mid_st = turned(ct, st, 0.5 * dt)
-    return mid_ct, mid_st, dt
-
-
-@kernel
-def outline_of(a: float, b: float, stride: float) -> FloatArray:
-    """Return cosine and sine of the parameters of places about `stride` pixels apart, in order.
-
-    The four quarters mirror each other, so that no direction of the walk is preferred.
-    """
-    count = 0
-    ct, st = 1.0, 0.0
-    while ct > 0.0:
-        _, _, dt = middle_of_step(ct, st, a, b, stride)
-        ct, st = turned(ct, st, dt)
-        count += 1
-    places = np.empty((4 * count, 2))
-    ct, st = 1.0, 0.0
-    for k in range(count):
-        c, s, dt = middle_of_step(ct, st, a, b, stride)
-        ct, st = turned(ct, st, dt)
-        places[k, 0], places[k, 1] = c, s
-        places[2 * count - 1 - k, 0], places[2 * count - 1 - k, 1] = -c, s
-        places[2 * count + k, 0], places[2 * count + k, 1] = -c, -s
-        places[4 * count - 1 - k, 0], places[4 * count - 1 - k, 1] = c, -s
-    return places
-
-
-@kernel
-def collect(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipse: FloatArray,
-    stride: float,
-    reach: float,
-    min_cos: float,
-    polarity: int,
-    stamp: IntArray,
-    mark: int,
-    chosen: IntArray,
-    sums: FloatArray,
-) -> int:
-    """Collect the edge points that support an ellipse: near its outline and along its normal.
-
-    The outline is walked in steps of `stride` pixels; a step is covered when one of the nine
-    pixels around it holds a supporting point. Returns the number of points put in `chosen`; the
-    sums count steps, those in the frame and the covered ones, the turn of the normal over the
-    latter two, squared distances, squared sines of the angles between gradient and normal, and
-    points with the gradient across the outline.
-    """
-    height, width = head.shape
-    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    x0, y0, a, b = ellipse[0], ellipse[1], ellipse[2], ellipse[3]
-    flat, steep = 1.0 / (a * a), 1.0 / (b * b)
-    count = 0
-    sums[:] = 0.0
-    ct, st, mid_ct, mid_st, turn = 1.0, 0.0, 1.0, 0.0, 0.0
-    side = 3
-    while True:
-        side = (side + 1) % 4
-        if side == 0:  # a step on in the first quarter; the other quarters are its mirror images
-            if ct <= 0.0:
-                break
-            mid_ct, mid_st, dt = middle_of_step(ct, st, a, b, stride)
-            ct, st = turned(ct, st, dt)
-            turn = a * b * dt / (a * a * mid_st * mid_st + b * b * mid_ct * mid_ct)
-        u = a * mid_ct if side % 2 == 0 else -a * mid_ct
-        v = b * mid_st if side < 2 else -b * mid_st
-        px = int(math.floor(x0 + u * cos - v * sin + 0.5))
-        py = int(math.floor(y0 + u * sin + v * cos + 0.5))
-        sums[STEPS] += 1.0
-        if px < 1 or py < 1 or px > width - 2 or py > height - 2:
-            continue
-        sums[IN_FRAME] += 1.0
-        sums[TURN] += turn
-        hit = False
-        for y in range(py - 1, py + 2):
-            for x in range(px - 1, px + 2):
-                p = head[y, x]
-                while p >= 0:
-                    if stamp[p] != mark and stamp[p] != -mark:
-                        dx, dy = points[p, 0] - x0, points[p, 1] - y0
-                        d, nx, ny = offset_at(dx, dy, cos, sin, flat, steep)
-                        dot = -(nx * normals[p, 0] + ny * normals[p, 1])
-                        stamp[p] = -mark
-                        if abs(dot) < ACROSS:
-                            sums[CROSSING] += 1.0
-                        elif (
-                            abs(d) <= reach
-                            and abs(dot) >= min_cos
-                            and (polarity == 0 or dot * polarity > 0.0)
-                        ):
-                            stamp[p] = mark
-                            chosen[count] = p
-                            count += 1
-                            sums[SQUARES] += d * d
-                            sums[TURNED] += 1.0 - dot * dot
-                    hit = hit or stamp[p] == mark
-                    p = following[p]
-        if hit:
-            sums[COVERED] += 1.0
-            sums[TURN_COVERED] += turn
-    return count
 
 
 @kernel

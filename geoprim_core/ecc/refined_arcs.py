@@ -11,7 +11,8 @@ from geoprim_core._check import FloatArray, IntArray
 from geoprim_core.ecc import _kernels_refined_arcs as _arcs
 from geoprim_core.ecc import _kernels_refined_split as _split
 from geoprim_core.ecc import _kernels_refined_stroke as _stroke
-from geoprim_core.ecc._kernels_refined_support import Int32Array, index_points
+from geoprim_core.ecc._kernels_refined_outline import Int32Array
+from geoprim_core.ecc._kernels_refined_support import index_points
 from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.types import Contours
 
