@@ -23,6 +23,33 @@ GAP, COVERED_PLACE, OUTSIDE = range(3)  # what a place is
 # Columns of the sums that `add_support` makes.
 STEPS, IN_FRAME, COVERED, TURN, TURN_COVERED, SQUARES, TURNED, CROSSING, SUMS = range(9)
 
+SKETCH = 18  # places of a quarter that serve a first look
+SKETCHES = 64  # as many ratios of the semi-axes
+GLANCES = (5, 9, SKETCH)  # as many of them make a first glance, half a look, a look
+
+
+def _sketches() -> FloatArray:
+    """Return equally spaced places of a quarter (SKETCHES, SKETCH, 3), every fourth one first.
+
+    The columns are those of `quarter_of`. A part of them from the first on is spread over the
+    whole quarter: with mirror images, over the outline.
+    """
+    t = np.linspace(0.0, 0.5 * np.pi, 1025)
+    table = np.empty((SKETCHES, SKETCH, 3))
+    order = np.concatenate([np.arange(first, SKETCH, 4) for first in (1, 3, 0, 2)])
+    for k in range(SKETCHES):
+        ratio = (k + 0.5) / SKETCHES
+        pace = np.hypot(np.sin(t), ratio * np.cos(t))
+        path = np.concatenate(([0.0], np.cumsum(0.5 * (pace[1:] + pace[:-1]))))
+        at = np.interp(np.arange(2 * SKETCH + 1) * path[-1] / (2 * SKETCH), path, t)
+        c, s, dt = np.cos(at[1::2]), np.sin(at[1::2]), np.diff(at[::2])
+        places = np.stack((c, s, ratio * dt / (s * s + ratio * ratio * c * c)), axis=1)
+        table[k] = places[order]
+    return table
+
+
+_SKETCHES = _sketches()
+
 
 class Walk(NamedTuple):
     """What a walk along an outline writes; made once and used for all.
@@ -91,6 +118,19 @@ def quarter_of(a: float, b: float, stride: float, places: FloatArray) -> int:
         places[count, 2] = a * b * dt / (a * a * s * s + b * b * c * c)
         count += 1
     return count
+
+
+@kernel
+def sketch_of(a: float, b: float, places: FloatArray) -> int:
+    """Write `SKETCH` places as `quarter_of` does, in the order of `GLANCES`; return their number.
+
+    They come from a table of ratios: where exactly on the outline the places lie does not matter.
+    """
+    row = min(SKETCHES - 1, int(SKETCHES * b / a))
+    for k in range(SKETCH):
+        for column in range(3):
+            places[k, column] = _SKETCHES[row, k, column]
+    return SKETCH
 
 
 @kernel
@@ -215,7 +255,8 @@ def judge_points(
             chosen[count] = p
             count += good & fresh
             squares += d * d if good & fresh else 0.0
-            turned_sum += 1.0 - dot * dot if good & fresh else 0.0
+            # Rounding can make an exact normal longer than one: no root of that below.
+            turned_sum += max(0.0, 1.0 - dot * dot) if good & fresh else 0.0
             p = np.int64(following[at])
     sums[SQUARES] += squares
     sums[TURNED] += turned_sum

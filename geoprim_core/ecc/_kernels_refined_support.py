@@ -19,15 +19,6 @@ from geoprim_core.ecc._kernels_refined_outline import (
     TURNED,
     Int32Array,
 )
-from geoprim_core.fitting._kernels_shape import perimeter_of
-
-PROBES = 32
-PROBE_COS = np.cos(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
-PROBE_SIN = np.sin(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
-CLEAN_RMS = 0.1  # pixels, the scatter of clean edges
-CLEAN_ROUND = 0.01  # semi-minor axes, that of small clean ellipses
-CLEAN_SLANT = 0.04  # radians, that of their gradients
-CLEAN_ENDS = 0.3  # share of ends that nothing explains
 
 
 @kernel
@@ -52,58 +43,6 @@ def arcs_of_points(order: IntArray, ends: IntArray, total: int) -> IntArray:
         for k in range(ends[i], ends[i + 1]):
             arc_of[order[k]] = i
     return arc_of
-
-
-@kernel
-def has_direction(
-    head: Int32Array,
-    following: Int32Array,
-    normals: FloatArray,
-    px: int,
-    py: int,
-    nx: float,
-    ny: float,
-    polarity: int,
-) -> bool:
-    """Tell whether one of the nine pixels around a place has an edge with the normal (nx, ny)."""
-    for y in range(py - 1, py + 2):
-        for x in range(px - 1, px + 2):
-            p = head[y, x]
-            while p >= 0:
-                dot = -(nx * normals[p, 0] + ny * normals[p, 1])
-                if abs(dot) > 0.9 and (polarity == 0 or dot * polarity > 0.0):
-                    return True
-                p = following[p]
-    return False
-
-
-@kernel
-def probe(
-    head: Int32Array,
-    following: Int32Array,
-    normals: FloatArray,
-    ellipse: FloatArray,
-    polarity: int,
-) -> float:
-    """Return the share of 32 places on an outline that have an edge of its direction nearby."""
-    height, width = head.shape
-    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    a, b = ellipse[2], ellipse[3]
-    hits = 0
-    inside = 0
-    for k in range(PROBES):
-        u, v = a * PROBE_COS[k], b * PROBE_SIN[k]
-        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
-        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
-        if px < 1 or py < 1 or px > width - 2 or py > height - 2:
-            continue
-        inside += 1
-        gu, gv = b * PROBE_COS[k], a * PROBE_SIN[k]
-        norm = math.sqrt(gu * gu + gv * gv)
-        nx, ny = (gu * cos - gv * sin) / norm, (gu * sin + gv * cos) / norm
-        if has_direction(head, following, normals, px, py, nx, ny, polarity):
-            hits += 1
-    return hits / inside if inside > 0 else 0.0
 
 
 @kernel
@@ -169,16 +108,3 @@ def hopeless(
     share = min(sums[COVERED] / sums[IN_FRAME], sums[TURN_COVERED] / sums[TURN])
     evidence = support_evidence(sums, count, stride * sums[COVERED], ellipse, growth)
     return evidence - doubt_of_clutter(share, sums[CROSSING] / count) < least
-
-
-@kernel
-def unpromising(share: float, ellipse: FloatArray, growth: float, least: float) -> bool:
-    """Tell whether the evidence of an ellipse can hardly reach `least` after a probe's share.
-
-    The refits may find half as much again, and a little more, with a scatter as of clean edges.
-    """
-    best = min(1.0, 1.5 * share + 0.1)
-    length = best * perimeter_of(ellipse[2], ellipse[3])
-    rms = min(CLEAN_RMS, CLEAN_ROUND * ellipse[3])
-    support = evidence_of(best, rms, CLEAN_SLANT, length, ellipse[3], growth, 0.0)
-    return support - doubt_of_ends(best, CLEAN_ENDS, CLEAN_ENDS) < least

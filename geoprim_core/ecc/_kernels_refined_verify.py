@@ -18,7 +18,6 @@ from geoprim_core.ecc._kernels_refined_improve import (
     GROWTH,
     LEAST_POINTS,
     MAX_SIZE,
-    MIN_COVERAGE,
     POLISHES,
     improve,
     near_copy,
@@ -41,9 +40,7 @@ from geoprim_core.ecc._kernels_refined_support import (
     arcs_of_points,
     doubt_of_clutter,
     doubt_of_ends,
-    probe,
     support_evidence,
-    unpromising,
 )
 
 FIGURES = 8
@@ -185,10 +182,6 @@ def verify(
             continue
         ellipse[:] = candidates[at]
         polarity = int(table[i, 16]) if signed else 0
-        share = probe(head, following, normals, ellipse, polarity)
-        growth = 1.0 + limits[GROWTH] * ellipse[3]
-        if share < 0.6 * limits[MIN_COVERAGE] or unpromising(share, ellipse, growth, polish):
-            continue
         if walked == max_count:
             walked += 1
             break
