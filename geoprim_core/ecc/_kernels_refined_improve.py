@@ -42,7 +42,7 @@ LEAST_WIDTH = 0.5  # pixels, of the weights of the robust refit
 LEAST_POINTS = 10
 REFITS = (1.0, 0.8, 1.0)  # reach of the three collections of support, in shares of the limit
 HOPE = (6.0, 1.0)  # evidence that the first and the second refit may still add
-GLANCE_HOPE = (10.0, 8.0, 6.0)  # and the rest of the outline with the refits, after each glance
+GLANCE_HOPE = (10.0, 8.0)  # and the rest of the outline with the refits, after each glance
 
 # Entries of the array of limits that `improve` and `verify` take.
 REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI, ENDS, SPREAD = range(9)
