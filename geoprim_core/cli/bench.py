@@ -8,8 +8,9 @@ from pathlib import Path
 
 from geoprim_core.cli.detector import add_detector_arguments, detector_params
 from geoprim_core.errors import FileError
-from geoprim_core.evaluation.speed import STAGES, measure_chain, measure_first_detection
-from geoprim_core.io.images import list_images, read_image
+from geoprim_core.evaluation.peer_runner import CLOCKS
+from geoprim_core.evaluation.speed import measure_chain, measure_first_detection
+from geoprim_core.io.images import list_images, read_image, resize_image
 from geoprim_core.io.photographs import packaged_photographs
 
 
@@ -23,6 +24,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="default: the photographs that the installed scikit-image ships",
     )
     parser.add_argument("--repeat", type=int, default=7, help="runs an image (default 7)")
+    parser.add_argument(
+        "--size",
+        type=int,
+        nargs=2,
+        metavar=("WIDTH", "HEIGHT"),
+        help="bring every image to this size first, those higher than wide to it turned",
+    )
+    parser.add_argument(
+        "--clock",
+        choices=list(CLOCKS),
+        default="elapsed",
+        help="time that passes, or time on the processor, which is steadier on a busy machine",
+    )
     parser.add_argument("--csv", type=Path, metavar="FILE", help="write one row an image")
     add_detector_arguments(parser)
 
@@ -34,12 +48,14 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.images and not paths:
         raise FileError("no image found in " + ", ".join(map(str, arguments.images)))
     images = {str(p): read_image(p) for p in paths} or packaged_photographs()
-    times = measure_chain(images, params, repeat=arguments.repeat)
+    if arguments.size is not None:
+        images = {name: resize_image(image, arguments.size) for name, image in images.items()}
+    times = measure_chain(images, params, repeat=arguments.repeat, clock=arguments.clock)
     print(times.markdown())
     print(f"\nFirst detection in a fresh process: {measure_first_detection():.2f} s")
     if arguments.csv is not None:
         with arguments.csv.open("w", newline="") as file:
             table = csv.writer(file)
-            table.writerow(["image", "width", "height", *STAGES, "total"])
+            table.writerow(["image", "width", "height", *times.stages, "total"])
             table.writerows(times.rows())
     return 0

@@ -20,7 +20,8 @@ def add_params(parser: argparse.ArgumentParser, params: type[Params], title: str
     >>> given_params(parser.parse_args(["--radius", "6"]), DebParams)
     {'radius': 6.0}
     """
-    section = parser.add_argument_group(title, "every parameter of the chain; see docs/parameters.md")
+    about = "every parameter of the chain; see docs/parameters.md"
+    section = parser.add_argument_group(title, about)
     for declared in params.options():
         section.add_argument(
             f"--{declared.name}",

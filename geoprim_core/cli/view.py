@@ -88,8 +88,9 @@ def run(arguments: argparse.Namespace) -> int:
             view.write_to(arguments.save)
             replay.play(frames())
         else:
-            detector.warm_up()  # whoever connects does not wait for the kernels
-            _serve(arguments, view, replay, frames)
+            with _signals_end_it():
+                detector.warm_up()  # whoever connects does not wait for the kernels
+                _serve(arguments, view, replay, frames)
     if arguments.save is not None:
         print(f"{replay.shown} frames: {arguments.save}")
     if replay.bad:
@@ -105,20 +106,19 @@ def layout_file() -> Path | None:
 
 
 def _serve(arguments: argparse.Namespace, view: View, replay: Replay, frames: Frames) -> None:
-    with _signals_end_it():
-        port = view.serve(arguments.host, arguments.port)
-        print(f"ws://{arguments.host}:{port} (Foxglove: open connection, Foxglove WebSocket)")
-        print(f"layout: {layout_file() or 'not installed'}", flush=True)
-        while arguments.wait and not view.watched():
-            time.sleep(_POLL_S)
+    port = view.serve(arguments.host, arguments.port)
+    print(f"ws://{arguments.host}:{port} (Foxglove: open connection, Foxglove WebSocket)")
+    print(f"layout: {layout_file() or 'not installed'}", flush=True)
+    while arguments.wait and not view.watched():
+        time.sleep(_POLL_S)
+    rhythm = Rhythm(arguments.rate)
+    for _ in range(1) if arguments.once else count():
+        start = time.monotonic()
+        replay.play(frames(), rhythm)
         rhythm = Rhythm(arguments.rate)
-        for _ in range(1) if arguments.once else count():
-            start = time.monotonic()
-            replay.play(frames(), rhythm)
-            rhythm = Rhythm(arguments.rate)
-            # A source of one picture shall not be sent as fast as the machine can.
-            pause = 1.0 / arguments.fps if not arguments.once else 0.0
-            time.sleep(max(0.0, pause - (time.monotonic() - start), _POLL_S))
+        # A source of one picture shall not be sent as fast as the machine can.
+        pause = 1.0 / arguments.fps if not arguments.once else 0.0
+        time.sleep(max(0.0, pause - (time.monotonic() - start), _POLL_S))
 
 
 @contextmanager

@@ -9,13 +9,9 @@ import numpy as np
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_fit import offset_of
+from geoprim_core.ecc._kernels_refined_outline import ACROSS, Int32Array, outline_of
 from geoprim_core.ecc._kernels_refined_select import claim
-from geoprim_core.ecc._kernels_refined_support import (
-    ACROSS,
-    Int32Array,
-    doubt_of_clutter,
-    outline_of,
-)
+from geoprim_core.ecc._kernels_refined_support import doubt_of_clutter
 
 UNEXPLAINED = 60.0  # evidence lost for one unexplained crossing point a supporting one
 

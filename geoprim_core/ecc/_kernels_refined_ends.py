@@ -8,7 +8,13 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_support import ACROSS, Int32Array, outline_of
+from geoprim_core.ecc._kernels_refined_outline import (
+    ACROSS,
+    COVERED_PLACE,
+    GAP,
+    Int32Array,
+    Walk,
+)
 
 RESUMED = 8  # points of a contour after which it has left the outline for good
 GOES_ON = 6  # points of a contour beyond its last support that make it go on
@@ -67,21 +73,6 @@ def continuing_share(
 
 
 @kernel
-def is_supported(
-    head: Int32Array, following: Int32Array, stamp: IntArray, mark: int, px: int, py: int
-) -> bool:
-    """Tell whether one of the nine pixels around a place holds a supporting point."""
-    for y in range(py - 1, py + 2):
-        for x in range(px - 1, px + 2):
-            p = head[y, x]
-            while p >= 0:
-                if stamp[p] == mark:
-                    return True
-                p = following[p]
-    return False
-
-
-@kernel
 def is_crossed(
     head: Int32Array,
     following: Int32Array,
@@ -104,50 +95,70 @@ def is_crossed(
 
 
 @kernel
+def place_on_outline(m: int, size: int) -> int:
+    """Return where `Walk.state` holds place m of an outline of four times `size` places."""
+    quarter, k = m // size, m % size
+    if quarter == 0:
+        return 4 * k
+    if quarter == 1:
+        return 4 * (size - 1 - k) + 1
+    return 4 * k + 3 if quarter == 2 else 4 * (size - 1 - k) + 2
+
+
+@kernel
+def is_end_crossed(
+    head: Int32Array,
+    following: Int32Array,
+    normals: FloatArray,
+    ellipse: FloatArray,
+    cos: float,
+    sin: float,
+    walk: Walk,
+    place: int,
+) -> bool:
+    """Tell whether an edge runs across an outline near one of its places."""
+    ct, st = walk.places[place // 4, 0], walk.places[place // 4, 1]
+    ct = ct if place % 2 == 0 else -ct
+    st = st if place % 4 < 2 else -st
+    a, b = ellipse[2], ellipse[3]
+    x = int(math.floor(ellipse[0] + a * ct * cos - b * st * sin + 0.5))
+    y = int(math.floor(ellipse[1] + a * ct * sin + b * st * cos + 0.5))
+    gu, gv = b * ct, a * st
+    norm = math.sqrt(gu * gu + gv * gv)
+    nx, ny = (gu * cos - gv * sin) / norm, (gu * sin + gv * cos) / norm
+    return bool(is_crossed(head, following, normals, x, y, nx, ny))
+
+
+@kernel
 def unexplained_share(
     head: Int32Array,
     following: Int32Array,
     normals: FloatArray,
     ellipse: FloatArray,
-    stamp: IntArray,
-    mark: int,
+    walk: Walk,
+    size: int,
 ) -> float:
     """Return the share of the ends of gaps at which no edge crosses the outline.
 
-    Where something lies over an ellipse, the outline of that thing crosses it: a T-junction.
+    Where something lies over an ellipse, the outline of that thing crosses it: a T-junction. The
+    walk, with `size` places a quarter, tells the gaps.
     """
-    height, width = head.shape
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    a, b = ellipse[2], ellipse[3]
-    walk = outline_of(a, b, 2.0)
-    steps = len(walk)
-    pixels = np.empty((steps, 2), np.int64)
-    state = np.empty(steps, np.int64)  # in the gaps 0, supported 1, outside the image 2
-    start = -1
-    for k in range(steps):
-        u, v = a * walk[k, 0], b * walk[k, 1]
-        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
-        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
-        pixels[k, 0], pixels[k, 1] = px, py
-        state[k] = 2
-        if px >= 1 and py >= 1 and px <= width - 2 and py <= height - 2:
-            state[k] = 1 if is_supported(head, following, stamp, mark, px, py) else 0
-        if state[k] == 1:
-            start = k
+    steps = 4 * size
+    start = 0
+    while start < steps and walk.state[place_on_outline(start, size)] != COVERED_PLACE:
+        start += 1
     gap = ends = unexplained = 0
-    for m in range(1, steps + 1 if start >= 0 else 0):  # from a supported step around to it
+    for m in range(1, steps + 1 if start < steps else 0):  # from a supported step around to it
         k = (start + m) % steps
-        if state[k] == 0:
+        if walk.state[place_on_outline(k, size)] == GAP:
             gap += 1
             continue
         if gap >= LEAST_GAP:
             for back in (gap, 1):
-                at = (k - back) % steps
-                gu, gv = b * walk[at, 0], a * walk[at, 1]
-                norm = math.sqrt(gu * gu + gv * gv)
-                nx, ny = (gu * cos - gv * sin) / norm, (gu * sin + gv * cos) / norm
-                x, y = pixels[at, 0], pixels[at, 1]
+                place = place_on_outline((k - back) % steps, size)
                 ends += 1
-                unexplained += 0 if is_crossed(head, following, normals, x, y, nx, ny) else 1
+                if not is_end_crossed(head, following, normals, ellipse, cos, sin, walk, place):
+                    unexplained += 1
         gap = 0
     return unexplained / ends if ends > 0 else 0.0

@@ -16,26 +16,33 @@ from geoprim_core.ecc._kernels_refined_fit import (
     offset_of,
     refit,
 )
-from geoprim_core.ecc._kernels_refined_support import (
+from geoprim_core.ecc._kernels_refined_outline import (
     COVERED,
+    GLANCES,
     IN_FRAME,
+    SKETCH,
     STEPS,
     Int32Array,
+    Walk,
+    add_support,
     collect,
-    hopeless,
+    sketch_of,
 )
+from geoprim_core.ecc._kernels_refined_support import hopeless
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
 LEAST_REACH = 0.7  # pixels
 BINS = 24  # of the distances that matter
+MEDIAN_SCALE = 256.0  # bins a pixel of a median distance
+MEDIAN_BINS = 1024
 POLISHES = 2
 ROUNDS = 3  # of the robust refit at most
 SETTLED = 0.001  # pixels, by which a settled ellipse moves in a round
 LEAST_WIDTH = 0.5  # pixels, of the weights of the robust refit
-FIT_STEPS = 72.0  # as many places on the outline serve a fit
 LEAST_POINTS = 10
 REFITS = (1.0, 0.8, 1.0)  # reach of the three collections of support, in shares of the limit
 HOPE = (6.0, 1.0)  # evidence that the first and the second refit may still add
+GLANCE_HOPE = (10.0, 8.0)  # and the rest of the outline with the refits, after each glance
 
 # Entries of the array of limits that `improve` and `verify` take.
 REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI, ENDS, SPREAD = range(9)
@@ -106,6 +113,51 @@ def near_copy(ellipses: FloatArray, count: int, ellipse: FloatArray) -> bool:
 
 
 @kernel
+def look_at(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    ellipse: FloatArray,
+    stride: float,
+    reach: float,
+    limits: FloatArray,
+    hope: float,
+    polarity: int,
+    stamp: IntArray,
+    mark: int,
+    walk: Walk,
+    chosen: IntArray,
+    sums: FloatArray,
+    glance: bool,
+) -> int:
+    """Collect the support at few places of an outline, `stride` pixels apart, enough for a fit.
+
+    To `glance` is to look at a quarter and at half of them first, and to return 0 where these
+    leave no hope: most candidates are wrong, and that shows soon.
+    """
+    sums[:] = 0.0
+    count = start = 0
+    growth = 1.0 + limits[GROWTH] * ellipse[3]
+    sketch_of(ellipse[2], ellipse[3], walk.places)
+    for k in range(len(GLANCES)):
+        end = GLANCES[k]
+        count = add_support(
+            head, following, points, normals, ellipse, walk, start, end, reach,
+            limits[MIN_COSINE], polarity, stamp, mark, chosen, count, sums,
+        )  # fmt: skip
+        if glance and end < SKETCH:
+            least = LEAST_POINTS * end // (2 * SKETCH)
+            each = stride * SKETCH / end
+            if count <= least:
+                return 0
+            if hopeless(sums, count, each, ellipse, growth, hope - GLANCE_HOPE[k]):
+                return 0
+        start = end
+    return count
+
+
+@kernel
 def improve(
     head: Int32Array,
     following: Int32Array,
@@ -119,6 +171,7 @@ def improve(
     found: int,
     stamp: IntArray,
     mark: int,
+    walk: Walk,
     chosen: IntArray,
     sums: FloatArray,
     work: FloatArray,
@@ -135,24 +188,18 @@ def improve(
         reach = limits[REACH] * REFITS[step] * growth
         if step > 0:
             reach = reach_of(points, chosen, count, ellipse, limits[SPREAD], reach)
-        stride = 2.0
-        if step < 2:
-            stride = max(2.0, perimeter_of(ellipse[2], ellipse[3]) / FIT_STEPS)
-        count = collect(
-            head,
-            following,
-            points,
-            normals,
-            ellipse,
-            stride,
-            reach,
-            limits[MIN_COSINE],
-            polarity,
-            stamp,
-            mark + step,
-            chosen,
-            sums,
-        )
+        stride = perimeter_of(ellipse[2], ellipse[3]) / (4.0 * SKETCH)
+        if step < 2 and stride > 2.0:
+            count = look_at(
+                head, following, points, normals, ellipse, stride, reach, limits, hope, polarity,
+                stamp, mark + step, walk, chosen, sums, step == 0,
+            )  # fmt: skip
+        else:
+            stride = 2.0
+            count = collect(
+                head, following, points, normals, ellipse, stride, reach, limits[MIN_COSINE],
+                polarity, stamp, mark + step, walk, chosen, sums,
+            )  # fmt: skip
         least = limits[MIN_COVERAGE] * (1.0 if step == 2 else 0.7)
         if count < LEAST_POINTS or sums[COVERED] < least * sums[IN_FRAME]:
             return 0
@@ -172,6 +219,27 @@ def improve(
 
 
 @kernel
+def median_offset(
+    points: FloatArray, chosen: IntArray, ellipse: FloatArray, tally: IntArray
+) -> float:
+    """Return the median distance of points to an ellipse, to a bin of a histogram of `tally`.
+
+    A histogram costs a fraction of a median, and the width of weights need not be exact.
+    """
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    tally[:] = 0
+    for k in range(len(chosen)):
+        d, _, _ = offset_of(ellipse, cos, sin, points[chosen[k], 0], points[chosen[k], 1])
+        tally[min(MEDIAN_BINS, int(abs(d) * MEDIAN_SCALE))] += 1
+    below = 0
+    for k in range(MEDIAN_BINS):
+        below += tally[k]
+        if 2 * below >= len(chosen):
+            return (k + 0.5) / MEDIAN_SCALE
+    return MEDIAN_BINS / MEDIAN_SCALE
+
+
+@kernel
 def refit_robustly(
     points: FloatArray, chosen: IntArray, ellipse: FloatArray, max_size: float, min_size: float
 ) -> float:
@@ -180,15 +248,12 @@ def refit_robustly(
     A round that leaves the limits of the semi-axes is undone and the last; one that moves the
     ellipse by less than `SETTLED` is the last too.
     """
-    distances = np.empty(len(chosen))
+    tally = np.empty(MEDIAN_BINS + 1, np.int64)
     row = ellipse.copy()
     width = 0.0
     for _ in range(ROUNDS):
-        cos, sin = math.cos(row[4]), math.sin(row[4])
-        for k in range(len(chosen)):
-            d, _, _ = offset_of(row, cos, sin, points[chosen[k], 0], points[chosen[k], 1])
-            distances[k] = abs(d)
-        width = max(LEAST_WIDTH, TUKEY * MAD * np.median(distances))
+        median = median_offset(points, chosen, row, tally)
+        width = max(LEAST_WIDTH, TUKEY * MAD * median)
         if not refit(points, chosen, len(chosen), row, 2, width):
             break
         if row[2] > max_size or row[3] < min_size:
@@ -213,6 +278,7 @@ def polish_support(
     polarity: int,
     stamp: IntArray,
     mark: int,
+    walk: Walk,
     chosen: IntArray,
     count: int,
     sums: FloatArray,
@@ -233,6 +299,7 @@ def polish_support(
             polarity,
             stamp,
             mark + step,
+            walk,
             chosen,
             sums,
         )

@@ -9,7 +9,7 @@ import numpy as np
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_fit import offset_of
-from geoprim_core.ecc._kernels_refined_support import ACROSS, Int32Array
+from geoprim_core.ecc._kernels_refined_outline import ACROSS, Int32Array
 from geoprim_core.fitting._kernels_overlap import overlap_bound, overlap_of
 
 # What became of an ellipse.

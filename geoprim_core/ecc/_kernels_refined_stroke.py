@@ -8,7 +8,7 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_support import Int32Array
+from geoprim_core.ecc._kernels_refined_outline import Int32Array
 
 ALIKE = 1.0  # pixels between the width of a line here and its typical width
 DOUBTED = 5.0  # points without a mate that each contour is given: short ones have mates by chance

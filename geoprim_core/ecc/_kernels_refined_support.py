@@ -5,27 +5,22 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_at
-from geoprim_core.fitting._kernels_shape import perimeter_of
-
-Int32Array = npt.NDArray[np.int32]
+from geoprim_core.ecc._kernels_refined_outline import (
+    COVERED,
+    CROSSING,
+    IN_FRAME,
+    SQUARES,
+    STEPS,
+    TURN,
+    TURN_COVERED,
+    TURNED,
+    Int32Array,
+)
 
 TINY = 1e-9  # pixels
-PROBES = 32
-PROBE_COS = np.cos(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
-PROBE_SIN = np.sin(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
-CLEAN_RMS = 0.1  # pixels, the scatter of clean edges
-CLEAN_ROUND = 0.01  # semi-minor axes, that of small clean ellipses
-CLEAN_SLANT = 0.04  # radians, that of their gradients
-CLEAN_ENDS = 0.3  # share of ends that nothing explains
-ACROSS = 0.82  # cosine of 35 degrees: an edge point turned further crosses the outline
-
-# Columns of the sums that `collect` makes.
-STEPS, IN_FRAME, COVERED, TURN, TURN_COVERED, SQUARES, TURNED, CROSSING, SUMS = range(9)
 
 
 @kernel
@@ -56,182 +51,6 @@ def arcs_of_points(order: IntArray, ends: IntArray, total: int) -> IntArray:
         for k in range(ends[i], ends[i + 1]):
             arc_of[order[k]] = i
     return arc_of
-
-
-@kernel
-def has_direction(
-    head: Int32Array,
-    following: Int32Array,
-    normals: FloatArray,
-    px: int,
-    py: int,
-    nx: float,
-    ny: float,
-    polarity: int,
-) -> bool:
-    """Tell whether one of the nine pixels around a place has an edge with the normal (nx, ny)."""
-    for y in range(py - 1, py + 2):
-        for x in range(px - 1, px + 2):
-            p = head[y, x]
-            while p >= 0:
-                dot = -(nx * normals[p, 0] + ny * normals[p, 1])
-                if abs(dot) > 0.9 and (polarity == 0 or dot * polarity > 0.0):
-                    return True
-                p = following[p]
-    return False
-
-
-@kernel
-def probe(
-    head: Int32Array,
-    following: Int32Array,
-    normals: FloatArray,
-    ellipse: FloatArray,
-    polarity: int,
-) -> float:
-    """Return the share of 32 places on an outline that have an edge of its direction nearby."""
-    height, width = head.shape
-    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    a, b = ellipse[2], ellipse[3]
-    hits = 0
-    inside = 0
-    for k in range(PROBES):
-        u, v = a * PROBE_COS[k], b * PROBE_SIN[k]
-        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
-        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
-        if px < 1 or py < 1 or px > width - 2 or py > height - 2:
-            continue
-        inside += 1
-        gu, gv = b * PROBE_COS[k], a * PROBE_SIN[k]
-        norm = math.sqrt(gu * gu + gv * gv)
-        nx, ny = (gu * cos - gv * sin) / norm, (gu * sin + gv * cos) / norm
-        if has_direction(head, following, normals, px, py, nx, ny, polarity):
-            hits += 1
-    return hits / inside if inside > 0 else 0.0
-
-
-@kernel
-def turned(cos: float, sin: float, angle: float) -> tuple[float, float]:
-    """Return the cosine and sine of an angle turned on by a small one."""
-    half = 0.5 * angle
-    grow = 1.0 / (1.0 + half * half)
-    cd, sd = (1.0 - half * half) * grow, 2.0 * half * grow
-    return cos * cd - sin * sd, sin * cd + cos * sd
-
-
-@kernel
-def middle_of_step(
-    ct: float, st: float, a: float, b: float, stride: float
-) -> tuple[float, float, float]:
-    """Return cosine and sine of the parameter amidst the step from a place, and its length."""
-    dt = min(0.5, stride / math.sqrt(a * a * st * st + b * b * ct * ct))
-    mid_ct, mid_st = turned(ct, st, 0.5 * dt)
-    dt = min(0.5, stride / math.sqrt(a * a * mid_st * mid_st + b * b * mid_ct * mid_ct))
-    mid_ct, mid_st = turned(ct, st, 0.5 * dt)
-    return mid_ct, mid_st, dt
-
-
-@kernel
-def outline_of(a: float, b: float, stride: float) -> FloatArray:
-    """Return cosine and sine of the parameters of places about `stride` pixels apart, in order.
-
-    The four quarters mirror each other, so that no direction of the walk is preferred.
-    """
-    count = 0
-    ct, st = 1.0, 0.0
-    while ct > 0.0:
-        _, _, dt = middle_of_step(ct, st, a, b, stride)
-        ct, st = turned(ct, st, dt)
-        count += 1
-    places = np.empty((4 * count, 2))
-    ct, st = 1.0, 0.0
-    for k in range(count):
-        c, s, dt = middle_of_step(ct, st, a, b, stride)
-        ct, st = turned(ct, st, dt)
-        places[k, 0], places[k, 1] = c, s
-        places[2 * count - 1 - k, 0], places[2 * count - 1 - k, 1] = -c, s
-        places[2 * count + k, 0], places[2 * count + k, 1] = -c, -s
-        places[4 * count - 1 - k, 0], places[4 * count - 1 - k, 1] = c, -s
-    return places
-
-
-@kernel
-def collect(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipse: FloatArray,
-    stride: float,
-    reach: float,
-    min_cos: float,
-    polarity: int,
-    stamp: IntArray,
-    mark: int,
-    chosen: IntArray,
-    sums: FloatArray,
-) -> int:
-    """Collect the edge points that support an ellipse: near its outline and along its normal.
-
-    The outline is walked in steps of `stride` pixels; a step is covered when one of the nine
-    pixels around it holds a supporting point. Returns the number of points put in `chosen`; the
-    sums count steps, those in the frame and the covered ones, the turn of the normal over the
-    latter two, squared distances, squared sines of the angles between gradient and normal, and
-    points with the gradient across the outline.
-    """
-    height, width = head.shape
-    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    x0, y0, a, b = ellipse[0], ellipse[1], ellipse[2], ellipse[3]
-    flat, steep = 1.0 / (a * a), 1.0 / (b * b)
-    count = 0
-    sums[:] = 0.0
-    ct, st, mid_ct, mid_st, turn = 1.0, 0.0, 1.0, 0.0, 0.0
-    side = 3
-    while True:
-        side = (side + 1) % 4
-        if side == 0:  # a step on in the first quarter; the other quarters are its mirror images
-            if ct <= 0.0:
-                break
-            mid_ct, mid_st, dt = middle_of_step(ct, st, a, b, stride)
-            ct, st = turned(ct, st, dt)
-            turn = a * b * dt / (a * a * mid_st * mid_st + b * b * mid_ct * mid_ct)
-        u = a * mid_ct if side % 2 == 0 else -a * mid_ct
-        v = b * mid_st if side < 2 else -b * mid_st
-        px = int(math.floor(x0 + u * cos - v * sin + 0.5))
-        py = int(math.floor(y0 + u * sin + v * cos + 0.5))
-        sums[STEPS] += 1.0
-        if px < 1 or py < 1 or px > width - 2 or py > height - 2:
-            continue
-        sums[IN_FRAME] += 1.0
-        sums[TURN] += turn
-        hit = False
-        for y in range(py - 1, py + 2):
-            for x in range(px - 1, px + 2):
-                p = head[y, x]
-                while p >= 0:
-                    if stamp[p] != mark and stamp[p] != -mark:
-                        dx, dy = points[p, 0] - x0, points[p, 1] - y0
-                        d, nx, ny = offset_at(dx, dy, cos, sin, flat, steep)
-                        dot = -(nx * normals[p, 0] + ny * normals[p, 1])
-                        stamp[p] = -mark
-                        if abs(dot) < ACROSS:
-                            sums[CROSSING] += 1.0
-                        elif (
-                            abs(d) <= reach
-                            and abs(dot) >= min_cos
-                            and (polarity == 0 or dot * polarity > 0.0)
-                        ):
-                            stamp[p] = mark
-                            chosen[count] = p
-                            count += 1
-                            sums[SQUARES] += d * d
-                            sums[TURNED] += 1.0 - dot * dot
-                    hit = hit or stamp[p] == mark
-                    p = following[p]
-        if hit:
-            sums[COVERED] += 1.0
-            sums[TURN_COVERED] += turn
-    return count
 
 
 @kernel
@@ -297,16 +116,3 @@ def hopeless(
     share = min(sums[COVERED] / sums[IN_FRAME], sums[TURN_COVERED] / sums[TURN])
     evidence = support_evidence(sums, count, stride * sums[COVERED], ellipse, growth)
     return evidence - doubt_of_clutter(share, sums[CROSSING] / count) < least
-
-
-@kernel
-def unpromising(share: float, ellipse: FloatArray, growth: float, least: float) -> bool:
-    """Tell whether the evidence of an ellipse can hardly reach `least` after a probe's share.
-
-    The refits may find half as much again, and a little more, with a scatter as of clean edges.
-    """
-    best = min(1.0, 1.5 * share + 0.1)
-    length = best * perimeter_of(ellipse[2], ellipse[3])
-    rms = min(CLEAN_RMS, CLEAN_ROUND * ellipse[3])
-    support = evidence_of(best, rms, CLEAN_SLANT, length, ellipse[3], growth, 0.0)
-    return support - doubt_of_ends(best, CLEAN_ENDS, CLEAN_ENDS) < least

@@ -17,27 +17,30 @@ from geoprim_core.ecc._kernels_refined_improve import (
     ENDS,
     GROWTH,
     LEAST_POINTS,
-    MIN_COVERAGE,
+    MAX_SIZE,
     POLISHES,
     improve,
     near_copy,
     polish_support,
 )
-from geoprim_core.ecc._kernels_refined_support import (
+from geoprim_core.ecc._kernels_refined_outline import (
     COVERED,
     CROSSING,
     IN_FRAME,
     SQUARES,
+    STEPS,
     SUMS,
     TURN,
     TURN_COVERED,
     Int32Array,
+    Walk,
+    new_walk,
+)
+from geoprim_core.ecc._kernels_refined_support import (
     arcs_of_points,
     doubt_of_clutter,
     doubt_of_ends,
-    probe,
     support_evidence,
-    unpromising,
 )
 
 FIGURES = 8
@@ -91,6 +94,7 @@ def describe(
     following: Int32Array,
     normals: FloatArray,
     links: IntArray,
+    walk: Walk,
     ellipse: FloatArray,
     sums: FloatArray,
     chosen: IntArray,
@@ -114,7 +118,9 @@ def describe(
     if limits[ENDS] > 0.0 and evidence >= least:  # else it is too weak already
         row[6] = continuing_share(links, stamp, mark, chosen, count)
         if evidence - limits[ENDS] * doubt_of_ends(share, row[6], 0.0) >= least:
-            row[7] = unexplained_share(head, following, normals, ellipse, stamp, mark)
+            row[7] = unexplained_share(
+                head, following, normals, ellipse, walk, int(sums[STEPS]) // 4
+            )
         evidence -= limits[ENDS] * doubt_of_ends(share, row[6], row[7])
     row[0] = evidence - doubt_of_clutter(share, row[4])
     return float(evidence)
@@ -162,7 +168,8 @@ def verify(
     counts = np.zeros((4, len(ends)), np.int64)
     owned, taken, tally, tries = counts[0], counts[1], counts[2], counts[3]
     stamp = np.zeros(total, np.int64)
-    chosen = np.empty(total, np.int64)
+    chosen = np.empty(total + 1, np.int64)
+    walk = new_walk(limits[MAX_SIZE])
     work = np.empty(25)
     sums = np.empty(SUMS)
     ellipse = np.empty(5)
@@ -175,35 +182,31 @@ def verify(
             continue
         ellipse[:] = candidates[at]
         polarity = int(table[i, 16]) if signed else 0
-        share = probe(head, following, normals, ellipse, polarity)
-        growth = 1.0 + limits[GROWTH] * ellipse[3]
-        if share < 0.6 * limits[MIN_COVERAGE] or unpromising(share, ellipse, growth, polish):
-            continue
         if walked == max_count:
             walked += 1
             break
         walked += 1
         count = improve(
             head, following, points, normals, ellipse, limits, polish, polarity, ellipses, found,
-            stamp, 8 * walked, chosen, sums, work,
+            stamp, 8 * walked, walk, chosen, sums, work,
         )  # fmt: skip
         if count == 0:
             tries[i] += 1
             tries[max(i, j)] += 1 if j > i else 0
             continue
         evidence = describe(
-            head, following, normals, links, ellipse, sums, chosen, count, stamp,
+            head, following, normals, links, walk, ellipse, sums, chosen, count, stamp,
             8 * walked + 2, limits, polish, figures[found],
         )  # fmt: skip
         if evidence >= polish:
             count = polish_support(
                 head, following, points, normals, ellipse, limits, polarity, stamp, 8 * walked + 3,
-                chosen, count, sums,
+                walk, chosen, count, sums,
             )  # fmt: skip
             if count < LEAST_POINTS or near_copy(ellipses, found, ellipse):
                 continue
             describe(
-                head, following, normals, links, ellipse, sums, chosen, count, stamp,
+                head, following, normals, links, walk, ellipse, sums, chosen, count, stamp,
                 8 * walked + 2 + POLISHES, limits, polish, figures[found],
             )  # fmt: skip
         used = offsets[found]

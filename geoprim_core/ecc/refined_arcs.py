@@ -11,7 +11,8 @@ from geoprim_core._check import FloatArray, IntArray
 from geoprim_core.ecc import _kernels_refined_arcs as _arcs
 from geoprim_core.ecc import _kernels_refined_split as _split
 from geoprim_core.ecc import _kernels_refined_stroke as _stroke
-from geoprim_core.ecc._kernels_refined_support import Int32Array, index_points
+from geoprim_core.ecc._kernels_refined_outline import Int32Array
+from geoprim_core.ecc._kernels_refined_support import index_points
 from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.types import Contours
 
@@ -122,9 +123,10 @@ def _stroke_widths(gaps: FloatArray, offsets: IntArray, params: RefinedParams) -
     """Return the signed width of the line that each point is on, 0 for none."""
     sizes = np.diff(offsets)
     long = gaps[np.repeat(sizes >= _LONG, sizes)]
-    dark, bright = long[long < 0.0], long[long > 0.0]
-    most = dark if len(dark) >= len(bright) else bright
-    common = float(np.median(most)) if len(most) > params.stroke_share * len(long) else 0.0
+    dark, bright = np.count_nonzero(long < 0.0), np.count_nonzero(long > 0.0)
+    common = 0.0
+    if max(dark, bright) > params.stroke_share * len(long):
+        common = float(np.median(long[long < 0.0] if dark >= bright else long[long > 0.0]))
     return _stroke.stroke_widths(gaps, offsets, params.stroke_alone, common)
 
 

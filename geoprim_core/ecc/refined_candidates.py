@@ -117,12 +117,21 @@ def pair_arcs(edges: EdgePoints, arcs: SmoothArcs, params: RefinedParams) -> Can
         edges.signed and params.same_polarity,
         params.max_pairs,
     )
-    order = np.lexsort((members[:, 1], members[:, 0], -values[:, 0]))
+    order = _best_first(members, values[:, 0])
     ellipses = np.ascontiguousarray(values[order, 1:])
     complete = share <= params.min_pair_share
     return Candidates(
         members[order], values[order, 0], ellipses, int(looked), int(possible), share, complete
     )
+
+
+def _best_first(members: IntArray, rank: FloatArray) -> IntArray:
+    """Return the order of falling rank, of equals that of the arcs."""
+    order = np.argsort(-rank)  # not stable, but several times as quick as sorting by three keys
+    sorted_rank = rank[order]
+    if np.any(sorted_rank[1:] == sorted_rank[:-1]):
+        order = np.lexsort((members[:, 1], members[:, 0], -rank))
+    return order
 
 
 def verify(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import cast
 
 import cv2
 import numpy as np
@@ -66,6 +67,27 @@ def list_images(path: str | os.PathLike[str]) -> list[Path]:
     if not place.is_dir():
         return [place]
     return sorted(p for p in place.iterdir() if p.suffix.lower() in SUFFIXES)
+
+
+def resize_image(image: AnyArray, size: tuple[int, int]) -> AnyArray:
+    """Return an image brought to a (width, height); one higher than wide to it on its side.
+
+    Raises
+    ------
+    InputError
+        A size below one pixel.
+
+    Examples
+    --------
+    >>> resize_image(np.zeros((300, 200), np.uint8), (64, 48)).shape
+    (64, 48)
+    """
+    if min(size) < 1:
+        raise InputError("size", "a width and a height of at least 1", f"{tuple(size)}")
+    width, height = max(size), min(size)
+    if image.shape[0] > image.shape[1]:
+        width, height = height, width
+    return cast(AnyArray, cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA))
 
 
 def write_image(path: str | os.PathLike[str], image: AnyArray) -> None:

@@ -91,6 +91,21 @@ def test_an_ablation_of_one_departure(folder, tmp_path, capsys):
     assert (tmp_path / "out" / "scores.md").read_text() == text.split("\nwritten")[0]
 
 
+def test_the_chain_is_timed_at_one_size(folder, tmp_path, capsys):
+    write_image(folder / "upright.png", np.zeros((90, 60), np.uint8))
+    words = ["bench", str(folder), "--size", "96", "64", "--clock", "processor", "--repeat", "1"]
+    assert main([*words, "--csv", str(tmp_path / "times.csv")]) == 0
+    text = capsys.readouterr().out
+    for stage in ("edges", "arcs", "pairs", "verification", "whole chain"):
+        assert f"| {stage} |" in text
+    rows = rows_of(tmp_path / "times.csv")
+    assert [(row["width"], row["height"]) for row in rows] == [
+        ("96", "64"), ("64", "96"), ("96", "64"),
+    ]  # fmt: skip
+    assert main(["bench", str(folder), "--size", "0", "64"]) == 2
+    assert "size" in capsys.readouterr().err
+
+
 def test_scaling_gives_times_and_exponents(tmp_path, capsys):
     words = ["bench", "scaling", "--max-width", "640", "--max-arcs", "200", "--repeat", "1"]
     assert main([*words, "--output", str(tmp_path)]) == 0

@@ -10,6 +10,7 @@ from geoprim_core.ecc import _kernels_refined_clutter as clutter
 from geoprim_core.ecc import _kernels_refined_ends as ends
 from geoprim_core.ecc import _kernels_refined_final as final
 from geoprim_core.ecc import _kernels_refined_fit as fit
+from geoprim_core.ecc import _kernels_refined_outline as outline
 from geoprim_core.ecc import _kernels_refined_stroke as stroke
 from geoprim_core.ecc import _kernels_refined_support as support
 
@@ -137,10 +138,21 @@ def of_clutter(share):
     return support.doubt_of_clutter(share, 0.5)
 
 
-def marked(points, normals, ellipse):
-    """Return the index of points on a 120 x 100 image, and all of them stamped as support."""
+def collected(points, normals, ellipse, stride=2.0, min_cos=0.96):
+    """Return the indices of the points on a 120 x 100 image that support an ellipse, and more.
+
+    That is the sums that go with them and the share of the ends of gaps that nothing explains.
+    """
     head, following = support.index_points(points, normals, 120, 100)
-    return head, following, normals, ellipse, np.ones(len(points), np.int64), 1
+    stamp, chosen = np.zeros(len(points), np.int64), np.empty(len(points) + 1, np.int64)
+    walk, sums = outline.new_walk(100.0), np.empty(outline.SUMS)
+    count = outline.collect(
+        head, following, points, normals, ellipse, stride, 2.0, min_cos, 0, stamp, 1, walk,
+        chosen, sums,
+    )  # fmt: skip
+    size = int(sums[outline.STEPS]) // 4
+    gaps = ends.unexplained_share(head, following, normals, ellipse, walk, size)
+    return chosen[:count], sums, gaps
 
 
 def upper_half(count=120):
@@ -195,8 +207,7 @@ def test_gaps_and_crossings_are_the_same_in_a_mirrored_image(seed, signs):
         turn = ellipse[4] if sx == sy else np.pi - ellipse[4]
         image = np.array([*(origin + ellipse[:2] * (sx, sy)), *ellipse[2:4], turn])
         head, following = support.index_points(places, across, width, height)
-        stamp = (np.arange(400) < 60).astype(np.int64)
-        gaps = ends.unexplained_share(head, following, across, image, stamp, 1)
+        _, _, gaps = collected(places, across, image, min_cos=0.83)
         claimed = np.zeros(400, bool)
         count = clutter.count_crossings(
             head, following, places, across, image, claimed, np.zeros(400, np.int64), 1
@@ -207,21 +218,65 @@ def test_gaps_and_crossings_are_the_same_in_a_mirrored_image(seed, signs):
 
 def test_an_edge_across_the_end_of_a_gap_explains_it():
     points, normals, circle = upper_half()
-    assert ends.unexplained_share(*marked(points, normals, circle)) == 1.0
+    assert collected(points, normals, circle)[2] == 1.0
     y = np.full(20, 53.0)  # a horizontal edge under the half circle's right end
     x = np.arange(80.0, 100.0)
     crossed = np.concatenate([points, np.stack([x, y], axis=1)])
     across = np.concatenate([normals, np.tile([0.0, 1.0], (20, 1))])
-    head, following, normals, circle, stamp, mark = marked(crossed, across, circle)
-    stamp[len(points) :] = 0
-    assert ends.unexplained_share(head, following, normals, circle, stamp, mark) == 0.5
+    assert collected(crossed, across, circle)[2] == 0.5
 
 
 def test_a_whole_outline_has_no_ends():
     t = np.linspace(0, 2 * np.pi, 240, endpoint=False)
     normals = np.stack([np.cos(t), np.sin(t)], axis=1)
     circle = np.array([60.0, 50.0, 30.0, 30.0, 0.0])
-    assert ends.unexplained_share(*marked(circle[:2] + 30 * normals, normals, circle)) == 0.0
+    assert collected(circle[:2] + 30 * normals, normals, circle)[2] == 0.0
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(1.0, 6.0))
+def test_support_is_what_lies_near_a_place_along_the_normal(seed, stride):
+    generator = np.random.default_rng(seed)
+    ellipse = np.array([58.3, 47.2, 36.4, generator.uniform(8, 36), generator.uniform(0, 3.1)])
+    t = generator.uniform(0, 2 * np.pi, 300)
+    points = points_of(ellipse, 0.0, 6.3, 300) + generator.normal(0, 1.0, (300, 2))
+    normals = np.stack([np.cos(t), np.sin(t)], axis=1)
+    chosen, sums, _ = collected(points, normals, ellipse, stride)
+    x, y, a, b, angle = ellipse
+    places = np.empty((int(2 * a) + 30, 3))
+    ring = places[: outline.quarter_of(a, b, stride, places)]
+    u, v = np.outer([a, -a, a, -a], ring[:, 0]), np.outer([b, b, -b, -b], ring[:, 1])
+    cos, sin = np.cos(angle), np.sin(angle)
+    pixels = np.floor(np.stack([x + u * cos - v * sin, y + u * sin + v * cos], axis=-1) + 0.5)
+    offsets = np.array(
+        [fit.offset_of(ellipse, cos, sin, *point) for point in points]
+    )  # distance, normal
+    along = np.abs((offsets[:, 1:] * normals).sum(axis=1)) >= 0.96
+    near = np.abs(np.floor(points + 0.5) - pixels[..., np.newaxis, :]).max(axis=-1) <= 1
+    good = along & (np.abs(offsets[:, 0]) <= 2.0)
+    assert sorted(chosen) == np.flatnonzero(good & near.any(axis=(0, 1))).tolist()
+    assert sums[outline.COVERED] == (near & good).any(axis=-1).sum()
+    assert sums[outline.STEPS] == sums[outline.IN_FRAME] == pixels[..., 0].size
+
+
+def test_a_sketch_spreads_each_glance_over_the_quarter():
+    places = np.empty((outline.SKETCH, 3))
+    for ratio in (0.05, 0.3, 1.0):
+        assert outline.sketch_of(100.0, 100.0 * ratio, places) == outline.SKETCH
+        assert np.allclose(np.hypot(places[:, 0], places[:, 1]), 1.0)
+        if ratio >= 0.3:  # the tip of a flat ellipse turns within a step
+            assert np.isclose(places[:, 2].sum(), np.pi / 2, rtol=0.03)
+        for count in outline.GLANCES:
+            t = np.sort(np.arctan2(places[:count, 1], places[:count, 0]))
+            path = np.interp(t, *path_of_quarter(ratio))
+            assert np.diff(path, prepend=0.0, append=1.0).max() < 1.6 / count
+
+
+def path_of_quarter(ratio):
+    """Return parameters on a quarter of an ellipse and the share of its length up to each."""
+    t = np.linspace(0, np.pi / 2, 2000)
+    path = np.cumsum(np.hypot(np.sin(t), ratio * np.cos(t)))
+    return t, path / path[-1]
 
 
 def test_only_crossing_points_that_nothing_claims_are_counted():

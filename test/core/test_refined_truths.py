@@ -12,6 +12,7 @@ from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.edges import EdgeParams, extract_contours
 from geoprim_core.errors import InputError, ParameterError
 from geoprim_core.evaluation import match_ellipses
+from geoprim_core.evaluation.scaling import strewn_arcs
 from geoprim_core.fitting import overlap_matrix
 from geoprim_core.synthetic import (
     disc_image,
@@ -307,3 +308,10 @@ def test_ellipses_that_cross_are_no_clutter_to_each_other():
     hits = [(overlap_matrix(truth, f.ellipses).max(axis=1) > 0.95).sum() for f in (found, apart)]
     assert hits[0] >= 0.9 * len(truth)
     assert hits[0] >= hits[1]
+
+
+def test_evidence_of_exact_arcs_is_a_number():
+    """Gradients exactly along the normals once gave sums of squares that rounding made negative."""
+    verified = trace_refined(strewn_arcs(50, 2000.0)).verified
+    assert len(verified) > 20
+    assert np.isfinite(verified.figures).all()
