@@ -14,8 +14,8 @@ from geoprim_core.io.image_message import image_from_message
 from geoprim_core.io.wire import from_wire
 from geoprim_core.params import Params, option
 from geoprim_ros.conversions import image_to_message
+from geoprim_ros.frames import Frames
 from geoprim_ros.image_input import ImageInput
-from geoprim_ros.pairing import StampPairs
 from geoprim_ros.spin import run
 from geoprim_ros.stage_node import StageNode, result_qos
 
@@ -38,24 +38,17 @@ class OverlayNode(StageNode):
     def __init__(self, **options: Any) -> None:
         super().__init__("overlay_node", **options)
         self._params = self.live_params(OverlayParams())
-        self._pairs = StampPairs(("image", "ellipses", "detections"), _IMAGES_KEPT)
+        topics = ("image", "ellipses", "detections")
+        self._frames = Frames(self, topics, lambda frame: self._draw(**frame), _IMAGES_KEPT)
+        receiver = self._frames.receiver
         self._overlay = self.advertise(Image, "overlay")
         for kind, topic in ((EllipseDetections, "ellipses"), (Detections, "detections")):
-            self.listen(kind, topic, self._receiver(topic), result_qos(), frame=False)
-        ImageInput(self).connect(self._receiver("image"), _IMAGES_KEPT)
+            self.listen(kind, topic, receiver(topic), result_qos(), frame=False, guarded=False)
+        ImageInput(self).connect(receiver("image"), _IMAGES_KEPT, guarded=False)
 
     def paused(self) -> None:
         """Let go of the images that wait for their results."""
-        self._pairs.clear()
-
-    def _receiver(self, topic: str) -> Any:
-        return lambda message: self._on(topic, message)
-
-    def _on(self, topic: str, message: Any) -> None:
-        pair = self._pairs.add(topic, message)
-        self.statistics.unpaired = self._pairs.unpaired
-        if pair is not None:
-            self._draw(**pair)
+        self._frames.clear()
 
     def _draw(self, image: Any, ellipses: Any, detections: Any) -> None:
         shown = self._params.value
