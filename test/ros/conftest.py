@@ -27,6 +27,7 @@ import geoprim_ros  # noqa: E402, F401
 from geoprim_core.io.image_message import image_record  # noqa: E402
 from geoprim_core.synthetic import disc_image  # noqa: E402
 from geoprim_ros.conversions import to_message  # noqa: E402
+from geoprim_ros.shared_memory import clean  # noqa: E402
 
 RESULTS = {
     "contours": Contours,
@@ -142,6 +143,13 @@ def value_of(reports, name, key):
             if status.name.startswith(name):
                 return next((v.value for v in status.values if v.key == key), None)
     return None
+
+
+@pytest.fixture(scope="session", autouse=True)
+def nothing_stays_in_memory():
+    """Take away what the killed processes of the tests leave."""
+    yield
+    clean(settled_s=1.0)
 
 
 @pytest.fixture
