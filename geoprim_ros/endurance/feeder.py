@@ -51,6 +51,11 @@ class Feeder(Node):  # type: ignore[misc]
         self._ears = {topic: self._listen(topic, EllipseDetections, self._answer)}
         self.create_subscription(DiagnosticArray, "/diagnostics", self._note, _DEPTH)
 
+    @property
+    def published(self) -> int:
+        """Number of frames, the bad ones too."""
+        return self._stamp
+
     def turn(self, seconds: float = _TURN_S) -> None:
         """Let the node take what comes, for one message at most."""
         self._executor.spin_once(timeout_sec=seconds)
@@ -103,6 +108,12 @@ class Feeder(Node):  # type: ignore[misc]
             self.publish(next(frames))
             self.drain(_ON_THE_WAY - 1)
 
+    def burst(self, frames: Iterator[Frame], count: int) -> None:
+        """Publish some frames at once, as a driver that was held up, and take what comes."""
+        for _ in range(count):
+            self.publish(next(frames))
+        self.drain()
+
     def feed_at(self, frames: Iterator[Frame], hz: float, seconds: float) -> None:
         """Publish frames at a rate, answered or not."""
         start, number = time.monotonic(), 0
@@ -116,10 +127,8 @@ class Feeder(Node):  # type: ignore[misc]
         """Wait until no more than some frames are on their way; a lost one is given up."""
         while len(self._waiting) > most and self.context.ok():
             self.turn()
-            oldest = next(iter(self._waiting), None)
             late = time.monotonic() - _ANSWER_LIMIT_S
-            if oldest is not None and self._waiting[oldest] < late:
-                del self._waiting[oldest]
+            self._waiting = {stamp: at for stamp, at in self._waiting.items() if at > late}
 
     def hear(self, topic: str, kind: Any) -> None:
         """Listen to another topic, to whatever comes."""
