@@ -99,7 +99,7 @@ def test_the_command_starts_and_ends():
 
 
 def test_the_soak_writes_samples_and_a_picture(tmp_path):
-    words = ("--frames", 240, "--warm-up", 60, "--every", 20, "--limit", 1e9, "--output", tmp_path)
+    words = ("--frames", 120, "--warm-up", 30, "--every", 10, "--limit", 1e9, "--output", tmp_path)
     answer = command("soak", *words)
     assert answer.returncode in (0, 1), answer.stderr  # a thread may still come so early
     assert "exit codes: {'edges': 0, 'polygons': 0, 'ellipses': 0}" in answer.stdout
