@@ -91,6 +91,11 @@ def segments(folder: Path = FOLDER) -> list[str]:
     return [name for name in _listed(folder) if _SEGMENT.fullmatch(name)]
 
 
+def unowned(folder: Path = FOLDER) -> set[str]:
+    """Return the names of this user's segments that no process holds."""
+    return set(clean(folder, settled_s=0.0, dry=True).names) & set(segments(folder))
+
+
 def _listed(folder: Path) -> list[str]:
     try:
         return sorted(os.listdir(folder))

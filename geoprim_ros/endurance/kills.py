@@ -32,7 +32,7 @@ from geoprim_core.io.image_message import image_record
 from geoprim_core.synthetic import disc_image
 from geoprim_ros.endurance.processes import Processes, own_domain
 from geoprim_ros.qos import result_qos, sensor_qos
-from geoprim_ros.shared_memory import clean, segments
+from geoprim_ros.shared_memory import clean, unowned
 from geoprim_ros.spin import in_rclpy
 
 VICTIMS = (
@@ -194,7 +194,7 @@ def run(victims: Sequence[str], rounds: int, pause_s: float) -> int:
     """Run the trial, print the table and return the exit code."""
     outcomes: list[Outcome] = []
     faults: list[str] = []
-    before = set(segments())
+    before = unowned()
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         processes = Processes(folder)
@@ -233,10 +233,9 @@ def table(outcomes: Sequence[Outcome]) -> str:
 
 
 def _memory(before: set[str]) -> str:
-    left = set(segments()) - before
-    removed = clean(settled_s=0.0)
-    mine = left & set(removed.names)
-    return f"shared memory: {len(mine)} segments left by what was killed, all removed"
+    left = unowned() - before
+    clean(settled_s=0.0)
+    return f"shared memory: {len(left)} segments left by what was killed, {len(unowned())} now"
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -26,8 +26,8 @@ from geoprim_ros.endurance.feeder import Feeder
 from geoprim_ros.endurance.images import Frame, frames
 from geoprim_ros.endurance.kills import write_bag
 from geoprim_ros.endurance.processes import SIGNALS, Processes, own_domain
-from geoprim_ros.shared_memory import segments
-from geoprim_ros.spin import in_rclpy
+from geoprim_ros.shared_memory import unowned
+from geoprim_ros.spin import TAKE_DOWN_S, in_rclpy
 
 _START_LIMIT_S = 240.0
 _GONE_LIMIT_S = 60.0
@@ -78,16 +78,19 @@ class Tally:
     codes : exit codes by kind and signal
     faults : what went wrong
     slowest_s : the longest end
+    late : number of ends that took as long as a middleware that hangs is given
     """
 
     codes: dict[tuple[str, int], list[int]] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
     slowest_s: float = 0.0
+    late: int = 0
 
     def add(self, start: Start, code: int, said: str, seconds: float) -> None:
         """Note how one ended."""
         self.codes.setdefault((start.kind, start.signal), []).append(code)
         self.slowest_s = max(self.slowest_s, seconds)
+        self.late += seconds >= TAKE_DOWN_S
         if code or "Traceback" in said:
             name = signal.Signals(start.signal).name
             self.faults.append(f"{start.kind}, {name}, code {code}: {said[-500:]}")
@@ -145,7 +148,7 @@ def start_and_end(
 
 def run(count: int, together: int, kinds: Sequence[str], seed: int = 1) -> int:
     """Run the trial, print the table and return the exit code."""
-    tally, before = Tally(), set(segments())
+    tally, before = Tally(), unowned()
     with tempfile.TemporaryDirectory() as folder:
         processes, place = Processes(Path(folder)), Path(folder)
         write_bag(place / "frames.mcap")
@@ -169,8 +172,8 @@ def run(count: int, together: int, kinds: Sequence[str], seed: int = 1) -> int:
         finally:
             processes.end_all()
     print(tally.table())
-    left = len(set(segments()) - before)
-    print(f"longest end {tally.slowest_s:.1f} s; {left} segments of shared memory more than before")
+    print(f"longest end {tally.slowest_s:.1f} s, {tally.late} by the deadline of the take-down")
+    print(f"shared memory: {len(unowned() - before)} segments left")
     for fault in tally.faults:
         print(fault, file=sys.stderr)
     return code or int(bool(tally.faults))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from geoprim_ros.shared_memory import FOLDER, Leftovers, clean, segments
+from geoprim_ros.shared_memory import FOLDER, Leftovers, clean, segments, unowned
 
 NAME = "fastrtps_0123456789abcdef"
 PORT = "fastrtps_port7411"
@@ -51,6 +51,13 @@ def test_what_is_locked_stays(folder, kind):
         fcntl.flock(second, kind)
         assert clean(folder, settled_s=0.0, ports=True) == Leftovers()
     assert left(folder) == before
+
+
+def test_only_segments_without_owner_are_unowned(folder):
+    assert unowned(folder) == {NAME}
+    with (folder / f"{NAME}_el").open() as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        assert unowned(folder) == set()
 
 
 def test_what_is_young_or_of_another_user_stays(folder, monkeypatch):
