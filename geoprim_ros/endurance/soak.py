@@ -101,7 +101,8 @@ def soak(
         for number in range(0, count, every):
             if number % _LISTEN_PERIOD == 0:
                 _come_or_go(feeder, number // _LISTEN_PERIOD)
-            give = feeder.feed if number % _BURST_PERIOD else feeder.burst
+            burst = number and number % _BURST_PERIOD == 0  # not first: it counts from there
+            give = feeder.burst if burst else feeder.feed
             give(source, min(every, count - number))
             pids = processes.numbers() | {"this one": os.getpid()}
             _note(courses, pids, number + every, time.monotonic() - start)
