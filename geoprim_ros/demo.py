@@ -106,6 +106,7 @@ def graph_arguments(scenario: Scenario, lossless: bool) -> list[str]:
     if lossless:
         start = "qos_overrides./image.subscription."
         words += ["-p", f"{start}reliability:=reliable", "-p", f"{start}depth:={LOSSLESS_DEPTH}"]
+        words += ["-p", "max_waiting:=0"]
     return words
 
 

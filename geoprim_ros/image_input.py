@@ -37,7 +37,9 @@ class ImageInput:
         self._node = node
         self._live = node.live_params(ImageParams())
 
-    def connect(self, step: Callable[[Any], object], depth: int = 1) -> None:
+    def connect(
+        self, step: Callable[[Any], object], depth: int = 1, *, guarded: bool = True
+    ) -> None:
         """Call `step` with every sensor_msgs/msg/Image or CompressedImage.
 
         So many as `depth` wait; with 1 a slow stage gets the newest and the others are dropped.
@@ -46,7 +48,9 @@ class ImageInput:
             "raw": Source(Image, "image"),
             "compressed": Source(CompressedImage, compressed_topic(self._node)),
         }
-        self._node.add_input(sources, self._chosen, step, sensor_qos(depth), name="image")
+        self._node.add_input(
+            sources, self._chosen, step, sensor_qos(depth), name="image", guarded=guarded
+        )
 
     def _chosen(self) -> str:
         return self._live.value.image_transport

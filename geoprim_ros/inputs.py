@@ -66,6 +66,17 @@ class Input:
         """The resolved name of the topic that is read when the input is open."""
         return str(self._node.resolve_topic_name(self._sources[self._chosen()].topic))
 
+    def read_one(self) -> bool:
+        """Pass on a message that waits to be read; tell whether there was one."""
+        if not self.is_open:
+            return False
+        reader = self._subscription
+        with reader.handle:
+            taken = reader.handle.take_message(reader.msg_type, reader.raw)
+        if taken is not None:
+            self._receive(*taken)
+        return taken is not None
+
     def set_open(self, wanted: bool) -> bool:
         """Open or close, or open anew where another source is chosen; tell whether it opened."""
         name = self._chosen()

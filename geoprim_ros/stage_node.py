@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -93,9 +94,13 @@ class StageNode(Node):  # type: ignore[misc]
         qos: QoSProfile,
         *,
         frame: bool = True,
+        guarded: bool = True,
     ) -> None:
         """Subscribe as long as the stage is in use; see `add_input`."""
-        self.add_input({"": Source(kind, topic)}, lambda: "", step, qos, name=topic, frame=frame)
+        self.add_input(
+            {"": Source(kind, topic)}, lambda: "", step, qos,
+            name=topic, frame=frame, guarded=guarded,
+        )  # fmt: skip
 
     def add_input(
         self,
@@ -106,20 +111,27 @@ class StageNode(Node):  # type: ignore[misc]
         *,
         name: str,
         frame: bool = True,
+        guarded: bool = True,
     ) -> None:
         """Add an input; what `step` cannot use is counted and told, and the node goes on.
 
-        With `frame` the messages are the frames that the statistics count.
+        With `frame` the messages are the frames that the statistics count. Without `guarded` the
+        step looks after that itself, as `Frames` does.
         """
+        act = partial(self.guarded, step) if guarded else step
 
         def receive(message: Any, info: dict[str, Any]) -> None:
             if frame:
                 self.statistics.received(name, info.get("publication_sequence_number"))
                 self._note_latency(info)
-            self._guarded(step, message)
+            act(message)
 
         self._inputs[name] = Input(self, sources, chosen, receive, qos, self._reports)
         self.refresh()
+
+    def read_waiting(self, names: Iterable[str]) -> bool:
+        """Pass on a message of each of some inputs; tell whether there was one to read."""
+        return sum(self._inputs[name].read_one() for name in names if name in self._inputs) > 0
 
     def advertise(self, kind: Any, topic: str, qos: QoSProfile | None = None) -> Any:
         """Publish on a topic, reliably, unless parameters override it."""
@@ -213,7 +225,8 @@ class StageNode(Node):  # type: ignore[misc]
         response.success, response.message = True, self.state()
         return response
 
-    def _guarded(self, step: Callable[[Any], object], message: Any) -> None:
+    def guarded(self, step: Callable[[Any], object], message: Any) -> None:
+        """Do a step with a message; what cannot be used is counted and told."""
         start, done = time.perf_counter(), self.statistics.frames_out
         try:
             step(message)

@@ -19,7 +19,7 @@ class StageStatistics:
     Attributes
     ----------
     frames_in, frames_out : int
-        Frames that came and results that went.
+        Frames that came, but for the dropped ones, and results that went.
     dropped : int
         Frames that were sent but replaced by newer ones before the stage got to them.
     passed : int
@@ -69,6 +69,11 @@ class StageStatistics:
                 self.dropped += missed
         self._resumed.discard(name)
         self._sequence[name] = sequence
+
+    def superseded(self, count: int) -> None:
+        """Note that frames which came were dropped for a newer one."""
+        self.frames_in -= count
+        self.dropped += count
 
     def resumed(self, name: str, topic: str) -> None:
         """Note that an input is open again: what its publisher sent meanwhile was not dropped."""

@@ -11,7 +11,7 @@ from geoprim_core.ecc import DetectorParams
 from geoprim_core.io.wire import from_wire
 from geoprim_ros.chain import work_once
 from geoprim_ros.debug_images import EllipseDebug
-from geoprim_ros.pairing import StampPairs
+from geoprim_ros.frames import Frames
 from geoprim_ros.results import ResultPublisher
 from geoprim_ros.spin import run
 from geoprim_ros.stage_node import StageNode, result_qos
@@ -23,30 +23,27 @@ class EllipsesNode(StageNode):
     def __init__(self, **options: Any) -> None:
         super().__init__("ellipses_node", **options)
         self._params = self.live_params(DetectorParams(), wanted=lambda n: n.startswith("ecc."))
-        self._pairs = StampPairs(("contours", "polygons"))
+        self._frames = Frames(self, ("contours", "polygons"), self._detect)
         self._results = ResultPublisher(self)
         self.warm_up(lambda: work_once(self._params.value))
         self._debug = EllipseDebug(self)
         self._results.connect()
         # The polygons first: contours are only sent when their reader is there.
-        self.listen(
-            Polygons, "polygons", lambda m: self._on("polygons", m), result_qos(), frame=False
-        )
-        self.listen(Contours, "contours", lambda m: self._on("contours", m), result_qos())
+        for kind, topic in ((Polygons, "polygons"), (Contours, "contours")):
+            self.listen(
+                kind, topic, self._frames.receiver(topic), result_qos(),
+                frame=topic == "contours", guarded=False,
+            )  # fmt: skip
 
     def paused(self) -> None:
-        """Forget messages without counterpart."""
-        self._pairs.clear()
+        """Forget what waits."""
+        self._frames.clear()
         self._results.clear()
 
-    def _on(self, topic: str, message: Any) -> None:
-        pair = self._pairs.add(topic, message)
-        self.statistics.unpaired = self._pairs.unpaired
-        if pair is None:
-            return
-        contours: Any = from_wire(pair["contours"])
-        polygons: Any = from_wire(pair["polygons"])
-        source = pair["contours"]
+    def _detect(self, frame: dict[str, Any]) -> None:
+        contours: Any = from_wire(frame["contours"])
+        polygons: Any = from_wire(frame["polygons"])
+        source = frame["contours"]
         found = self._debug.find_ellipses(contours, polygons, self._params.value, source)
         self.statistics.frames_out += 1
         self._results.publish(found, source)

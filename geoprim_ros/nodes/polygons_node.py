@@ -11,6 +11,7 @@ from geoprim_core.ecc import DetectorParams, find_polygons
 from geoprim_core.io.wire import from_wire
 from geoprim_ros.chain import find_contours, warm_up_scene
 from geoprim_ros.conversions import core_message
+from geoprim_ros.frames import Frames
 from geoprim_ros.spin import run
 from geoprim_ros.stage_node import StageNode, result_qos
 
@@ -23,14 +24,20 @@ class PolygonsNode(StageNode):
         self._params = self.live_params(DetectorParams(), wanted=lambda n: n.startswith("polygon"))
         self.warm_up(self._work_once)
         self._polygons = self.advertise(Polygons, "polygons")
-        self.listen(Contours, "contours", self._on_contours, result_qos())
+        self._frames = Frames(self, ("contours",), self._approximate)
+        receive = self._frames.receiver("contours")
+        self.listen(Contours, "contours", receive, result_qos(), guarded=False)
+
+    def paused(self) -> None:
+        """Forget contours that wait."""
+        self._frames.clear()
 
     def _work_once(self) -> None:
         params = self._params.value
         find_polygons(find_contours(warm_up_scene(), params), params)
 
-    def _on_contours(self, message: Any) -> None:
-        params = self._params.value
+    def _approximate(self, frame: dict[str, Any]) -> None:
+        params, message = self._params.value, frame["contours"]
         contours: Any = from_wire(message)
         polygons = find_polygons(contours, params)
         method = params.polygon_method

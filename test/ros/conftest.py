@@ -27,6 +27,7 @@ import geoprim_ros  # noqa: E402, F401
 from geoprim_core.io.image_message import image_record  # noqa: E402
 from geoprim_core.synthetic import disc_image  # noqa: E402
 from geoprim_ros.conversions import to_message  # noqa: E402
+from geoprim_ros.shared_memory import clean  # noqa: E402
 
 RESULTS = {
     "contours": Contours,
@@ -40,9 +41,10 @@ DISC = {"centre": (161.3, 118.7), "radius": 60.0}
 class Graph:
     """Nodes in one context and one executor, and processes beside them."""
 
-    def __init__(self):
+    def __init__(self, domain=None):
+        self.domain = domain
         self.context = rclpy.Context()
-        rclpy.init(context=self.context)
+        rclpy.init(context=self.context, domain_id=domain)
         self.executor = SingleThreadedExecutor(context=self.context)
         self.nodes = []
         self.processes = []
@@ -58,9 +60,11 @@ class Graph:
     def start(self, module, *args):
         """Start a module in a process of its own."""
         command = [sys.executable, "-m", module, *map(str, args)]
+        domain = {} if self.domain is None else {"ROS_DOMAIN_ID": str(self.domain)}
         process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        )
+            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            env={**os.environ, **domain},
+        )  # fmt: skip
         self.processes.append(process)
         return process
 
@@ -144,6 +148,13 @@ def value_of(reports, name, key):
     return None
 
 
+@pytest.fixture(scope="session", autouse=True)
+def nothing_stays_in_memory():
+    """Take away what the killed processes of the tests leave."""
+    yield
+    clean(settled_s=1.0)
+
+
 @pytest.fixture
 def told():
     return value_of
@@ -164,6 +175,14 @@ def make_feed(graph):
 def graph():
     graph = Graph()
     yield graph
+    graph.close()
+
+
+@pytest.fixture
+def other_feed():
+    """A feed in a graph on another domain."""
+    graph = Graph(101 + os.getpid() % 100)
+    yield Feed(graph)
     graph.close()
 
 

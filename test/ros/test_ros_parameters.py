@@ -73,7 +73,7 @@ def test_the_stage_nodes_have_the_parameters_of_the_detector_between_them(graph)
         return {
             n
             for n in node._parameters
-            if not n.startswith(("qos_overrides", "use_sim", "start_type", "lazy"))
+            if not n.startswith(("qos_overrides", "use_sim", "start_type", "lazy", "max_waiting"))
         }
 
     stages = [declared(kind) for kind in (EdgesNode, PolygonsNode, EllipsesNode)]

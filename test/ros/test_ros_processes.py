@@ -89,7 +89,17 @@ def test_an_argument_that_is_not_one_of_ros_is_said(capsys):
 
 
 @pytest.mark.parametrize(
-    "name", ["pairing", "spin", "keyboard", "selection", "qos_profiles", "nodes.bag_recorder"]
+    "name",
+    [
+        "pairing",
+        "spin",
+        "keyboard",
+        "selection",
+        "qos_profiles",
+        "nodes.bag_recorder",
+        "endurance.resources",
+        "endurance.starts",
+    ],
 )
 def test_examples_in_the_documentation_run(name):
     module = importlib.import_module(f"geoprim_ros.{name}")
