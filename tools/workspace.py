@@ -26,12 +26,12 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parent.parent
 TOOLS = ROOT / "tools"
 DEMO_BAG = ROOT / "bags" / "demo.mcap"
-# What a leg runs: the library with its examples, the conversions, bags, and live graphs.
-LEG_TESTS = (
-    "geoprim_core", "test/core", "test/contracts", "test/ros/test_ros_messages.py",
-    "test/ros/test_ros_images.py", "test/ros/test_ros_bags.py", "test/ros/test_ros_nodes.py",
-    "test/ros/test_ros_examples.py",
-)  # fmt: skip
+# What a leg runs: the library with its examples, two tests at a time; then, one after the other, the
+# conversions, bags and live graphs.
+LEG_LIBRARY = ("geoprim_core", "test/core", "test/contracts")
+LEG_ROS = tuple(
+    f"test/ros/test_ros_{name}.py" for name in ("messages", "images", "bags", "nodes", "examples")
+)
 
 
 class Environment(NamedTuple):
@@ -136,8 +136,11 @@ def run(environment: Environment, arguments: argparse.Namespace, rest: list[str]
 def test(environment: Environment, rest: list[str]) -> int:
     """Run the linters and all tests, or those of the leg; extra words go to pytest."""
     pytest: list[str | Path] = [environment.python, "-m", "pytest", "-q"]
+    if environment.leg and not rest:
+        library = environment.call([*pytest, "-n", "2", *LEG_LIBRARY])
+        return environment.call([*pytest, *LEG_ROS]) or library
     if environment.leg:
-        return environment.call([*pytest, "-n", "2", *(rest or LEG_TESTS)])
+        return environment.call([*pytest, *rest])
     for words in (["ruff", "check", "."], ["ruff", "format", "--check", "."], ["mypy"]):
         say(" ".join(words))
         code = environment.call([environment.folder / "bin" / words[0], *words[1:]])

@@ -84,7 +84,8 @@ def test_a_leg_has_an_environment_and_versions_of_its_own(monkeypatch):
     assert own["numpy"] == "numpy==1.26.4" and own["scipy"] == "scipy==1.11.4"
     assert own["opencv-python-headless"].startswith("opencv-python-headless==4.6.")
     assert own["tqdm"] == pins["tqdm"] and set(own) == set(pins)
-    missing = [test for test in workspace.LEG_TESTS if not (ROOT / test).exists()]
+    tests = (*workspace.LEG_LIBRARY, *workspace.LEG_ROS)
+    missing = [test for test in tests if not (ROOT / test).exists()]
     assert not missing
 
 
