@@ -26,8 +26,8 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parent.parent
 TOOLS = ROOT / "tools"
 DEMO_BAG = ROOT / "bags" / "demo.mcap"
-# What a leg runs: the library with its examples, two tests at a time; then, one after the other, the
-# conversions, bags and live graphs.
+# What a leg runs: the library with its examples, two tests at a time; then the conversions, bags
+# and live graphs, one after the other.
 LEG_LIBRARY = ("geoprim_core", "test/core", "test/contracts")
 LEG_ROS = tuple(
     f"test/ros/test_ros_{name}.py" for name in ("messages", "images", "bags", "nodes", "examples")
