@@ -1,12 +1,16 @@
 """Writes the generated tables of README.md and docs/ from the code; `--check` only compares.
 
-A table stands between `<!-- table: NAME -->` and `<!-- end -->`.
+A table stands between `<!-- table: NAME -->` and `<!-- end -->`. What was measured stands between
+`<!-- measured: geoprim COMMAND -->` and `<!-- end -->`: `--measure` runs the command, which takes
+minutes and a quiet machine, and puts in what it prints.
 """
 
 from __future__ import annotations
 
 import argparse
 import re
+import shlex
+import subprocess
 import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -14,6 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
 BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+MEASURED = re.compile(r"(<!-- measured: geoprim ([^\n]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def methods() -> str:
@@ -95,13 +100,26 @@ def filled(text: str) -> str:
     return BLOCK.sub(lambda m: f"{m[1]}{TABLES[m[2]]()}\n{m[3]}", text)
 
 
+def measured(command: str) -> str:
+    """Return what a command of geoprim prints."""
+    words = [sys.executable, "-m", "geoprim_core.cli.main", *shlex.split(command)]
+    return subprocess.run(words, check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
 def main() -> int:
     """Write the pages, or with --check tell which are not up to date."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true", help="only compare, exit code 1 if stale")
+    parser.add_argument("--measure", action="store_true", help="measure anew too")
     arguments = parser.parse_args()
     texts = {page: page.read_text() for page in PAGES}
-    stale = {page: new for page, text in texts.items() if (new := filled(text)) != text}
+    made = {page: filled(text) for page, text in texts.items()}
+    if arguments.measure:
+        made = {
+            page: MEASURED.sub(lambda m: f"{m[1]}{measured(m[2])}{m[3]}", text)
+            for page, text in made.items()
+        }
+    stale = {page: text for page, text in made.items() if text != texts[page]}
     for page, new in stale.items():
         if arguments.check:
             print(f"{page.name}: its tables are stale; run ./run exec python tools/readme.py")

@@ -2,6 +2,7 @@
 
 from geoprim_core.plotting.calibration import plot_coverage, plot_reliability
 from geoprim_core.plotting.comparison import plot_alpha, plot_precision_recall, plot_time_accuracy
+from geoprim_core.plotting.latencies import plot_latencies
 from geoprim_core.plotting.matches import plot_matching
 from geoprim_core.plotting.overlays import plot_contours, plot_detections
 from geoprim_core.plotting.scaling import plot_growth
@@ -13,6 +14,7 @@ __all__ = [
     "plot_coverage",
     "plot_detections",
     "plot_growth",
+    "plot_latencies",
     "plot_matching",
     "plot_precision_recall",
     "plot_reliability",

@@ -1,5 +1,6 @@
 """The set-up script says in one sentence what a machine lacks."""
 
+import importlib
 import os
 import subprocess
 import sys
@@ -19,7 +20,8 @@ def run(words, **changes):
 @pytest.fixture
 def tree(tmp_path):
     """A copy of what the set-up script looks at, without an environment."""
-    for name in ("run", "tools/workspace.py", "tools/requirements.txt", "tools/constraints.txt"):
+    tools = ("workspace.py", "requirements.txt", "constraints.txt", "constraints-ubuntu2404.txt")
+    for name in ("run", *(f"tools/{tool}" for tool in tools)):
         target = tmp_path / name
         target.parent.mkdir(exist_ok=True)
         target.write_bytes((ROOT / name).read_bytes())
@@ -71,3 +73,23 @@ def test_setup_in_a_folder_that_cannot_be_written(tree):
     answer = run([sys.executable, tree / "tools" / "workspace.py", "setup"])
     tree.chmod(0o755)
     one_sentence(answer, "cannot be written")
+
+
+def test_a_leg_has_an_environment_and_versions_of_its_own(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "tools")
+    workspace = importlib.import_module("workspace")
+    usual, leg = workspace.Environment(), workspace.Environment("ubuntu2404")
+    assert (usual.folder.name, leg.folder.name) == (".venv", ".venv-ubuntu2404")
+    pins, own = workspace.pins_of(*usual.constraints), workspace.pins_of(*leg.constraints)
+    assert own["numpy"] == "numpy==1.26.4" and own["scipy"] == "scipy==1.11.4"
+    assert own["opencv-python-headless"].startswith("opencv-python-headless==4.6.")
+    assert own["tqdm"] == pins["tqdm"] and set(own) == set(pins)
+    tests = (*workspace.LEG_LIBRARY, *workspace.LEG_ROS)
+    missing = [test for test in tests if not (ROOT / test).exists()]
+    assert not missing
+
+
+def test_an_unknown_leg_is_refused(tree):
+    answer = run([sys.executable, tree / "tools" / "workspace.py", "test", "--leg", "dapper"])
+    assert answer.returncode == 2
+    assert "ubuntu2404" in answer.stderr

@@ -56,7 +56,8 @@ def test_player_keeps_stamps_order_bytes_and_rhythm(graph, bag):
     graph.spin_until(lambda: len(images) == 30 and len(contours) == 30)
     assert player.returncode == 0, player.stderr.read()
     stored = [m.raw for m in BagReader(bag).messages(["image"])]
-    assert images == stored
+    same = [a == b for a, b in zip(images, stored, strict=True)]
+    assert all(same), same  # the bytes themselves take minutes to be told apart in a report
     assert [stamp_of(m) for m in contours] == [START + i * STEP for i in range(30)]
     assert [m.image_width for m in contours] == list(range(30))
     assert arrivals[-1] - arrivals[0] >= 0.95 * 29 * STEP * 1e-9 / 2  # never ahead of time
