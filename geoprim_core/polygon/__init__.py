@@ -12,15 +12,18 @@ from geoprim_core.errors import InputError
 from geoprim_core.methods import Method, Table
 from geoprim_core.params import Params, as_params
 from geoprim_core.polygon.bounds import deviation_bound, slope_bound
+from geoprim_core.polygon.optimal import OptimalParams, optimal
 from geoprim_core.polygon.rdp_mod import RdpModParams, farthest_pair, rdp_mod, rdp_mod_batch
 from geoprim_core.types import Contours, Polygons
 
 __all__ = [
     "TABLE",
+    "OptimalParams",
     "RdpModParams",
     "approximate",
     "deviation_bound",
     "farthest_pair",
+    "optimal",
     "rdp_mod",
     "slope_bound",
 ]
@@ -32,6 +35,12 @@ TABLE = Table(
         rdp_mod,
         RdpModParams,
         "Prasad, Leung, Quek and Cho, Image and Vision Computing 30, 2012; thesis 2.5.1.2",
+    ),
+    Method(
+        "optimal",
+        optimal,
+        OptimalParams,
+        "Perez and Vidal, Pattern Recognition Letters 15, 1994; thesis 2.6.1",
     ),
 )
 
