@@ -59,7 +59,8 @@ def reduced_table(
     `potential` holds one value a pixel (any values are sound), in the order low, low + 1 ... of a
     closed curve. The reduced error of a segment i -> j is its error + price +
     potential[i] - potential[j]; the rise Z of the potential over a round is the largest that
-    leaves all of them at least zero, and the segments of a polygon sum up to Z plus their reduced errors. A segment
+    leaves all of them at least zero, and the segments of a polygon sum up to Z plus their reduced
+    errors. A segment
     goes when Z + its reduced error > `spare`.
     """
     count = len(first) - 1
