@@ -1,4 +1,4 @@
-"""Metrics of polygonal approximations: of a curve, an image, a data set, and against the optimum."""
+"""Metrics of polygons: of a curve, an image, a data set, and against the optimal polygon."""
 
 from __future__ import annotations
 
@@ -260,11 +260,13 @@ def set_metrics(images: Sequence[MeanMetrics]) -> MeanMetrics:
     )
 
 
-def _means(parts: Sequence[CurveMetrics] | Sequence[MeanMetrics]) -> tuple[float, ...]:
+def _means(
+    parts: Sequence[CurveMetrics] | Sequence[MeanMetrics],
+) -> tuple[float, float, float, float]:
     merits = [part.figure_of_merit for part in parts if np.isfinite(part.figure_of_merit)]
     names = ("compression_ratio", "max_deviation", "ise")
-    means = [float(np.mean([getattr(part, name) for part in parts])) for name in names]
-    return (*means, float(np.mean(merits)) if merits else float("nan"))
+    ratio, deviation, ise = (float(np.mean([getattr(p, name) for p in parts])) for name in names)
+    return ratio, deviation, ise, float(np.mean(merits)) if merits else float("nan")
 
 
 def relative_metrics(
