@@ -110,13 +110,13 @@ _SCALED: Choice = {"table": ("2.7-1", "2.7-2", "2.7-3", "2.7-4")}
 
 
 def _ratios(rows: Sequence[Row], name: str, before: Choice, after: Choice) -> dict[str, float]:
-    """Return label -> mean over the curves of the metric after / before."""
+    """Return label -> mean over the curves of the metric after / before, where that was not 0."""
     found = {}
     for label in PROPOSED:
-        old = _means(rows, name, label, **before)
-        new = _means(rows, name, label, **after)
-        if old:
-            found[label] = float(np.mean(list(new.values())) / np.mean(list(old.values())))
+        old = list(_means(rows, name, label, **before).values())
+        new = list(_means(rows, name, label, **after).values())
+        if old and new and np.mean(old) > 0:
+            found[label] = float(np.mean(new) / np.mean(old))
     return found
 
 

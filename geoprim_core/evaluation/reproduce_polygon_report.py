@@ -114,14 +114,12 @@ def _published_lines(rows: Sequence[Row], published: Sequence[Mapping[str, str]]
     """Return how far N, MD and ISE of each group of rows are from the published ones."""
     cells = []
     for variant in available():
-        pairs = _pairs(
-            [row for row in rows if row.table == variant.table], variant.label, published
-        )
+        own = [row for row in rows if row.table == variant.table and row.label == variant.label]
+        pairs = _pairs(own, variant.label, published)
         if not pairs:
             continue
-        ours = np.array(
-            [(r.metrics.vertices, r.metrics.max_deviation, r.metrics.ise) for r, _ in pairs]
-        )
+        metrics = [row.metrics for row, _ in pairs]
+        ours = np.array([(m.vertices, m.max_deviation, m.ise) for m in metrics])
         theirs = np.array([[float(p[name]) for name in ("N", "MD", "ISE")] for _, p in pairs])
         n, md, ise = np.abs(ours - theirs).T
         shares = np.median(ise / np.maximum(theirs[:, 2], 1e-9))

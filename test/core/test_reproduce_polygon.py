@@ -63,7 +63,7 @@ def test_lines_without_disturbance_have_no_duality():
 
 
 def test_the_report_tells_the_distance_to_published_rows():
-    rows = [made_up("RDP(mod)", table="2.5-1", curve="Tin-oponer")]
+    rows = [made_up(v, table="2.5-1", curve="Tin-oponer") for v in ("RDP(mod)", "RDP(1.0)")]
     published = [
         {"shape": "tinopener", "method": "RDP", "param": "mod", "N": "12", "MD": "1.5", "ISE": "25"}
     ]
