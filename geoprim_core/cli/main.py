@@ -28,6 +28,7 @@ COMMANDS = {
     "bench scaling": "measure how the time grows with the image and with the number of arcs",
     "bench ros": "measure the live ROS 2 graph: latency, drops, processor time, highest rate",
     "calibrate": "check by simulation that scores are probabilities and that covariances hold",
+    "reproduce polygon": "rerun the experiments of thesis chapter 2: tables, figures, claims",
     "warm": "compile the numeric kernels ahead of time",
 }
 
