@@ -25,7 +25,9 @@ COMMANDS = {
     "bench ablation": "measure what each departure from the thesis is worth",
     "bench stability": "compare F of turned, mirrored, shifted and brightened images",
     "bench scaling": "measure how the time grows with the image and with the number of arcs",
+    "bench polygon": "time the polygon methods beside shapely and OpenCV",
     "calibrate": "check by simulation that scores are probabilities and that covariances hold",
+    "polygons": "approximate the edge contours of an image by polygons, draw them",
     "warm": "compile the numeric kernels ahead of time",
 }
 

@@ -19,7 +19,11 @@ class BreakPointsParams(Params):
     """Parameters of the break points."""
 
     tolerance: float = option(
-        EXACT, "distance of a point from its neighbours' line that is no bend", unit="px", low=0.0
+        EXACT,
+        "distance of a point from its neighbours' line that is no bend",
+        unit="px",
+        low=0.0,
+        high=1000.0,
     )
 
 

@@ -20,7 +20,9 @@ STOPS = ("above", "below")
 class CarmonaParams(Params):
     """Parameters of Carmona-Poyato's method; 0.45 is the ratio of the thesis' experiment 4."""
 
-    ratio: float = option(0.45, "r_tol: the sweeps end when r_i has passed it", low=0.0)
+    ratio: float = option(
+        0.45, "r_tol: the sweeps end when r_i has passed it", low=0.0, high=1000.0
+    )
     stop: str = option("above", "side of r_tol on which r_i ends the sweeps", choices=STOPS)
 
 

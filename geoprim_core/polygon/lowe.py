@@ -16,8 +16,12 @@ from geoprim_core.polygon._kernels_lowe import lowe_of
 class LoweParams(Params):
     """Parameters of Lowe's method."""
 
-    shortest: float = option(4.0, "segments shorter than this are not split", unit="px", low=0.0)
-    floor: float = option(1.0, "deviations below this count as this", unit="px", low=1e-6)
+    shortest: float = option(
+        4.0, "segments shorter than this are not split", unit="px", low=0.0, high=10000.0
+    )
+    floor: float = option(
+        1.0, "deviations below this count as this", unit="px", low=1e-6, high=10000.0
+    )
 
 
 def lowe(

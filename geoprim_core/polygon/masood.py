@@ -19,15 +19,21 @@ class MasoodParams(Params):
     """Parameters of Masood's method; 0.9 is the published limit, a squared deviation."""
 
     tolerance: float = option(
-        0.9, "largest squared deviation of a pixel, d_tol", unit="px^2", low=0.0
+        0.9, "largest squared deviation of a pixel, d_tol", unit="px^2", low=0.0, high=1e8
     )
     refuse: bool = option(
         False, "refuse deletions beyond the tolerance instead of ending with the first one"
     )
     window: int = option(
-        8, "search for a vertex's place ends this far beyond the last gain", unit="points", low=1
+        8,
+        "search for a vertex's place ends this far beyond the last gain",
+        unit="points",
+        low=1,
+        high=1000000,
     )
-    moves: int = option(3, "neighbours that may move on either side of a deletion", low=0)
+    moves: int = option(
+        3, "neighbours that may move on either side of a deletion", low=0, high=1000
+    )
 
 
 def masood(

@@ -28,9 +28,15 @@ class MasoodModParams(Params):
         False, "refuse deletions beyond the bound instead of ending before the first one"
     )
     window: int = option(
-        8, "search for a vertex's place ends this far beyond the last gain", unit="points", low=1
+        8,
+        "search for a vertex's place ends this far beyond the last gain",
+        unit="points",
+        low=1,
+        high=1000000,
     )
-    moves: int = option(3, "neighbours that may move on either side of a deletion", low=0)
+    moves: int = option(
+        3, "neighbours that may move on either side of a deletion", low=0, high=1000
+    )
 
 
 def masood_mod(

@@ -19,7 +19,11 @@ class ProParams(Params):
     """Parameters of PRO; the thesis finds 0.8 to 1 a reasonable trade-off."""
 
     tolerance: float = option(
-        1.0, "largest precision and reliability of a segment, epsilon_0", unit="px", low=0.0
+        1.0,
+        "largest precision and reliability of a segment, epsilon_0",
+        unit="px",
+        low=0.0,
+        high=10000.0,
     )
     span: str = option(
         "any", "s_max of the reliability: between any two pixels or from the first", choices=SPANS

@@ -17,7 +17,11 @@ class RdpParams(Params):
     """Parameters of RDP."""
 
     tolerance: float = option(
-        1.0, "largest deviation of a pixel from its segment, d_tol", unit="px", low=0.0
+        1.0,
+        "largest deviation of a pixel from its segment, d_tol",
+        unit="px",
+        low=0.0,
+        high=10000.0,
     )
 
 

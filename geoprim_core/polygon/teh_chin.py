@@ -25,7 +25,11 @@ class TehChinParams(Params):
         choices=MEASURES,
     )  # fmt: skip
     support: int = option(
-        250, "largest half width of a region of support; bounds the time", unit="points", low=1
+        250,
+        "largest half width of a region of support; bounds the time",
+        unit="points",
+        low=1,
+        high=1000000,
     )
 
 

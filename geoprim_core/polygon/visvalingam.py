@@ -16,8 +16,8 @@ from geoprim_core.polygon._kernels_visvalingam import visvalingam_of
 class VisvalingamParams(Params):
     """Parameters of Visvalingam and Whyatt's method."""
 
-    area: float = option(4.0, "points of a smaller triangle go", unit="px^2", low=0.0)
-    least: int = option(2, "no more points go when this many are left", low=2)
+    area: float = option(4.0, "points of a smaller triangle go", unit="px^2", low=0.0, high=1e12)
+    least: int = option(2, "no more points go when this many are left", low=2, high=1000000)
 
 
 def visvalingam(
