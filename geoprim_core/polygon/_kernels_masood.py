@@ -104,30 +104,38 @@ def _deviation(
 
 
 @kernel
-def _cost_of(curve: Curve, a: int, b: int) -> float:
+def _cost(
+    x: FloatArray, y: FloatArray, sums: FloatArray, hulls: Hulls, count: int, by_error: bool,
+    a: int, b: int,
+) -> float:  # fmt: skip
     """Return the cost of the segment from vertex a on to vertex b."""
-    high = b if b > a else b + curve.size
-    if curve.by_error:
-        return squared_error(curve.x, curve.y, curve.sums, a, high)
-    return _deviation(curve.x, curve.y, curve.hulls, a, high, np.inf, -1)[0]
+    high = b if b > a else b + count
+    if by_error:
+        return squared_error(x, y, sums, a, high)
+    return _deviation(x, y, hulls, a, high, np.inf, -1)[0]
 
 
 @kernel
-def _joined(curve: Curve, a: int, v: int, b: int) -> float:
+def _joined(
+    x: FloatArray, y: FloatArray, sums: FloatArray, hulls: Hulls, count: int, by_error: bool,
+    a: int, v: int, b: int,
+) -> float:  # fmt: skip
     """Return the cost of the two segments a-v-b."""
-    first, second = _cost_of(curve, a, v), _cost_of(curve, v, b)
-    return first + second if curve.by_error else max(first, second)
+    first = _cost(x, y, sums, hulls, count, by_error, a, v)
+    second = _cost(x, y, sums, hulls, count, by_error, v, b)
+    return first + second if by_error else max(first, second)
 
 
 @kernel
-def _best_place(curve: Curve, a: int, v: int, b: int, now: float) -> tuple[int, float]:
+def _best_place(
+    x: FloatArray, y: FloatArray, sums: FloatArray, hulls: Hulls, count: int, by_error: bool,
+    window: int, a: int, v: int, b: int, now: float,
+) -> tuple[int, float]:  # fmt: skip
     """Return where between a and b the vertex v costs least, and what; it stays where ties.
 
     The search goes from v either way and ends after `window` points without a gain. On a closed
     curve it may reach all of the curve but one point (a = b).
     """
-    x, y, sums, hulls = curve.x, curve.y, curve.sums, curve.hulls
-    count, by_error, window = curve.size, curve.by_error, curve.window
     middle = v if v > a else v + count  # indices of the curve written twice
     last = b if b > a else b + count
     place, best = v, now - 1e-9 * (1.0 + now)  # rounding is no improvement
@@ -157,37 +165,43 @@ def _plan(curve: Curve, chain: Chain, p: int, plan: Plan) -> float:
 
     Only neighbours that gain by it move; the first that does not, ends the moves of its side.
     """
-    left, right = chain.before[p], chain.after[p]
+    # Taken out once: a named tuple counts its arrays each time that it hands one out.
+    x, y, sums, hulls = curve.x, curve.y, curve.sums, curve.hulls
+    count, by_error, window, moves = curve.size, curve.by_error, curve.window, curve.moves
+    before, after, source, target = chain.before, chain.after, plan.source, plan.target
+    left, right = before[p], after[p]
     value = 0.0
-    if curve.by_error:
-        value = _cost_of(curve, left, right) - _joined(curve, left, p, right)
+    if by_error:
+        value = _cost(x, y, sums, hulls, count, by_error, left, right) - _joined(
+            x, y, sums, hulls, count, by_error, left, p, right
+        )
     size = 0
     vertex, other = left, right
-    while size < curve.moves and vertex != right and (curve.closed or vertex != 0):
-        a = chain.before[vertex]
-        now = _joined(curve, a, vertex, other)
-        place, best = _best_place(curve, a, vertex, other, now)
+    while size < moves and vertex != right and (curve.closed or vertex != 0):
+        a = before[vertex]
+        now = _joined(x, y, sums, hulls, count, by_error, a, vertex, other)
+        place, best = _best_place(x, y, sums, hulls, count, by_error, window, a, vertex, other, now)
         if place == vertex:
             break
         value += best - now
-        plan.source[size], plan.target[size] = vertex, place
+        source[size], target[size] = vertex, place
         size += 1
         vertex, other = a, place
     up = size
-    vertex, other = right, plan.target[0] if up > 0 else left
-    while size < up + curve.moves and vertex != left and (curve.closed or vertex != curve.size - 1):
-        b = chain.after[vertex]
+    vertex, other = right, target[0] if up > 0 else left
+    while size < up + moves and vertex != left and (curve.closed or vertex != count - 1):
+        b = after[vertex]
         taken = False  # by the moves of the other side, in a small polygon
         for k in range(up):
-            taken = taken or plan.source[k] == vertex or plan.source[k] == b
+            taken = taken or source[k] == vertex or source[k] == b
         if taken:
             break
-        now = _joined(curve, other, vertex, b)
-        place, best = _best_place(curve, other, vertex, b, now)
+        now = _joined(x, y, sums, hulls, count, by_error, other, vertex, b)
+        place, best = _best_place(x, y, sums, hulls, count, by_error, window, other, vertex, b, now)
         if place == vertex:
             break
         value += best - now
-        plan.source[size], plan.target[size] = vertex, place
+        source[size], target[size] = vertex, place
         size += 1
         vertex, other = b, place
     plan.counts[0], plan.counts[1] = up, size - up
@@ -219,14 +233,15 @@ def _new_vertices(chain: Chain, p: int, plan: Plan, vertices: IntArray) -> int:
 @kernel
 def _worst(curve: Curve, vertices: IntArray, size: int, rule: int) -> tuple[float, float]:
     """Return the largest deviation of some segments, and by how much one exceeds its bound."""
+    x, y, hulls, count = curve.x, curve.y, curve.hulls, curve.size
     largest, excess = 0.0, -np.inf
     for k in range(size - 1):
         low = vertices[k]
-        high = vertices[k + 1] if vertices[k + 1] > low else vertices[k + 1] + curve.size
-        value = _deviation(curve.x, curve.y, curve.hulls, low, high, np.inf, -1)[0]
+        high = vertices[k + 1] if vertices[k + 1] > low else vertices[k + 1] + count
+        value = _deviation(x, y, hulls, low, high, np.inf, -1)[0]
         largest = max(largest, value)
         if rule >= 0 and high - low > 1:
-            dx, dy = curve.x[high] - curve.x[low], curve.y[high] - curve.y[low]
+            dx, dy = x[high] - x[low], y[high] - y[low]
             excess = max(excess, value - deviation_bound_of(rule, dx, dy))
     return largest, excess
 

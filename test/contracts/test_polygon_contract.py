@@ -17,6 +17,7 @@ ROWS = pytest.mark.parametrize("row", list(TABLE), ids=TABLE.names)
 REFUSING = {"masood": {"refuse": True}, "carmona_mod": {"refuse": True}}
 # r_i of (2-65) is a ratio of lengths: the only corner of a curve passes for any size.
 WITHOUT_LAST_CORNER = {"carmona"}
+# A second or more for the full length on a busy machine, and a kernel each.
 SLOW: set[str] = {"masood", "masood_mod"}
 # Parameters under which a digital straight segment is two points. The others judge by an area
 # (visvalingam), by every change of direction (break_points), by local extrema (teh_chin) or by
