@@ -27,8 +27,10 @@ COMMANDS = {
     "bench stability": "compare F of turned, mirrored, shifted and brightened images",
     "bench scaling": "measure how the time grows with the image and with the number of arcs",
     "bench ros": "measure the live ROS 2 graph: latency, drops, processor time, highest rate",
+    "bench polygon": "time the polygon methods beside shapely and OpenCV",
     "calibrate": "check by simulation that scores are probabilities and that covariances hold",
     "reproduce polygon": "rerun the experiments of thesis chapter 2: tables, figures, claims",
+    "polygons": "approximate the edge contours of an image by polygons, draw them",
     "warm": "compile the numeric kernels ahead of time",
 }
 

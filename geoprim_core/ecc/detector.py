@@ -129,5 +129,5 @@ def trace_detection(image: AnyArray, params: DetectorParams | None = None) -> De
 
 def find_polygons(contours: Contours, params: DetectorParams) -> Polygons:
     """Approximate contours by the method that the parameters name, thesis 5.3 and 2.5.1.2."""
-    settings = params.polygon if params.polygon_method == "rdp_mod" else None
-    return approximate(contours, method=params.polygon_method, params=settings)
+    method = params.polygon_method
+    return approximate(contours, method=method, params=params.polygon.of(method))

@@ -11,7 +11,7 @@ from geoprim_core.edges import EdgeParams
 from geoprim_core.errors import ParameterError
 from geoprim_core.params import Params, group, option
 from geoprim_core.polygon import TABLE as POLYGON_TABLE
-from geoprim_core.polygon import RdpModParams
+from geoprim_core.polygon import PolygonParams
 from geoprim_core.tangent import DebParams
 
 SCHEMES = ("refined", "1", "2", "3")
@@ -35,7 +35,7 @@ class DetectorParams(Params):
 
     edges: EdgeParams = group(EdgeParams)
     polygon_method: str = option("rdp_mod", "polygonal approximation", choices=POLYGON_TABLE.names)
-    polygon: RdpModParams = group(RdpModParams)
+    polygon: PolygonParams = group(PolygonParams)
     ecc: EccParams = group(EccParams)
 
     @classmethod

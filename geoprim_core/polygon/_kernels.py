@@ -1,6 +1,6 @@
-"""Kernels of the polygon room: error bounds, splitting of a curve, farthest pair of points.
+"""Kernels of the polygon room: error bounds, farthest pair of points.
 
-The bound rules are numbers here: 0 thesis, 1 exact, 2 released.
+The bound rules are numbers here: 0 thesis, 1 exact, 2 released, 3 dss4, 4 dss8, 5 tan.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from geoprim_core._check import BoolArray, FloatArray, IntArray
+from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
 
 
@@ -50,6 +50,10 @@ def deviation_bound_of(rule: int, dx: float, dy: float) -> float:
         return 0.0
     if rule == 2:
         return _released(length)
+    if rule == 3:
+        return (abs(dx) + abs(dy)) / length
+    if rule == 4:
+        return max(abs(dx), abs(dy)) / length
     return length * slope_bound_of(rule, dx, dy)
 
 
@@ -61,6 +65,12 @@ def slope_bound_of(rule: int, dx: float, dy: float) -> float:
         return 0.5 * math.pi
     if rule == 2:
         return math.atan(_released(length) / length)
+    if rule == 3:
+        return min((abs(dx) + abs(dy)) / length / length, 0.5 * math.pi)
+    if rule == 4:
+        return min(max(abs(dx), abs(dy)) / length / length, 0.5 * math.pi)
+    if rule == 5:
+        return math.asin(min(math.sqrt(2.0) / length, 1.0))
     total = (abs(dx) + abs(dy)) / length
     gap = abs(abs(dx) - abs(dy)) / length
     if rule == 0:
@@ -71,51 +81,51 @@ def slope_bound_of(rule: int, dx: float, dy: float) -> float:
 
 
 @kernel
-def _farthest_inside(x: FloatArray, y: FloatArray, low: int, high: int) -> tuple[int, float]:
-    """Return the index and the distance of the point farthest from the line low-high."""
-    dx, dy = x[high] - x[low], y[high] - y[low]
-    best, place = -1.0, low
-    if dx == 0.0 and dy == 0.0:
-        for i in range(low + 1, high):
-            value = (x[i] - x[low]) ** 2 + (y[i] - y[low]) ** 2
-            if value > best:
-                best, place = value, i
-        return place, math.sqrt(max(best, 0.0))
-    for i in range(low + 1, high):
-        value = abs(dx * (y[i] - y[low]) - dy * (x[i] - x[low]))
-        if value > best:
-            best, place = value, i
-    return place, best / math.sqrt(dx * dx + dy * dy)
+def _row_ends(points: FloatArray) -> IntArray:
+    """Return the first and last pixel of every row, rows in order; empty if y is not whole.
 
-
-@kernel
-def _split(
-    x: FloatArray, y: FloatArray, rule: int, kept: BoolArray, stack: IntArray, low: int, last: int
-) -> None:
-    """Mark the vertices strictly between low and last (Ramer-Douglas-Peucker, own stack)."""
-    stack[0] = last
-    size = 1
-    while size > 0:
-        high = stack[size - 1]
-        if high - low > 1:
-            place, deviation = _farthest_inside(x, y, low, high)
-            if deviation > deviation_bound_of(rule, x[high] - x[low], y[high] - y[low]):
-                kept[place] = True
-                stack[size] = place
+    No other pixel is a corner of the convex hull. Of equal pixels the one of lowest index counts.
+    """
+    count = len(points)
+    top, bottom = points[0, 1], points[0, 1]
+    for i in range(count):
+        y = points[i, 1]
+        if y != math.floor(y):
+            return np.empty(0, np.int64)
+        top, bottom = min(top, y), max(bottom, y)
+    if bottom - top > 4.0 * count + 64.0:
+        return np.empty(0, np.int64)
+    rows = int(bottom - top) + 1
+    left, right = np.full(rows, -1), np.full(rows, -1)
+    for i in range(count):
+        row = int(points[i, 1] - top)
+        if left[row] < 0 or points[i, 0] < points[left[row], 0]:
+            left[row] = i
+        if right[row] < 0 or points[i, 0] > points[right[row], 0]:
+            right[row] = i
+    order = np.empty(2 * rows, np.int64)
+    size = 0
+    for row in range(rows):
+        if left[row] >= 0:
+            order[size] = left[row]
+            size += 1
+            if right[row] != left[row]:
+                order[size] = right[row]
                 size += 1
-                continue
-        low = high
-        size -= 1
+    return order[:size].copy()
 
 
 @kernel
 def _hull(points: FloatArray) -> IntArray:
     """Return the indices of the convex hull's corners, counter-clockwise, first ones of ties.
 
-    The points are sorted along a direction of irrational slope, where pixels never tie.
+    Points that are no pixels are sorted along a direction of irrational slope, where those of a
+    regular grid never tie.
     """
-    along = points[:, 0] + 0.6180339887498949 * points[:, 1]
-    order = np.argsort(along, kind="mergesort")
+    order = _row_ends(points)
+    if len(order) == 0:
+        along = points[:, 0] + 0.6180339887498949 * points[:, 1]
+        order = np.argsort(along, kind="mergesort")
     count = len(order)
     hull = np.empty(2 * count + 1, np.int64)
     size = 0
@@ -182,41 +192,3 @@ def farthest_pair_of(points: FloatArray) -> tuple[int, int]:
         best = _better(points, a, hull[j], pair, best)
         best = _better(points, b, hull[j], pair, best)
     return pair[0], pair[1]
-
-
-@kernel
-def rdp_mod_of(
-    points: FloatArray, offsets: IntArray, closed: BoolArray, rule: int
-) -> tuple[IntArray, IntArray]:
-    """Return the vertex indices of all contours and their offsets."""
-    counts = np.diff(offsets)
-    longest = counts.max() + 1 if len(counts) else 1
-    x, y = np.empty(longest), np.empty(longest)
-    kept, stack = np.empty(longest, np.bool_), np.empty(longest, np.int64)
-    indices = np.empty(len(points), np.int64)
-    polygon_offsets = np.zeros(len(offsets), np.int64)
-    total = 0
-    for k in range(len(counts)):
-        count = counts[k]
-        contour = points[offsets[k] : offsets[k + 1]]
-        first = 0
-        kept[: count + 1] = False
-        if count > 0 and closed[k]:
-            first, second = farthest_pair_of(contour)
-            for i in range(count + 1):
-                source = first + i if first + i < count else first + i - count
-                x[i], y[i] = contour[source, 0], contour[source, 1]
-            kept[0] = kept[second - first] = True
-            if second > first:
-                _split(x, y, rule, kept, stack, 0, second - first)
-            _split(x, y, rule, kept, stack, second - first, count)
-        elif count > 0:
-            x[:count], y[:count] = contour[:, 0], contour[:, 1]
-            kept[0] = kept[count - 1] = True
-            _split(x, y, rule, kept, stack, 0, count - 1)
-        for i in range(count):
-            if kept[i - first if i >= first else i - first + count]:
-                indices[total] = i
-                total += 1
-        polygon_offsets[k + 1] = total
-    return indices[:total].copy(), polygon_offsets

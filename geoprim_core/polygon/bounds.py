@@ -1,6 +1,7 @@
 """How far the digitisation of a straight line may move its pixels and turn its slope.
 
-Three rules (errata P4), s being the length of a segment and phi its slope:
+Six rules, s being the length of a segment and phi its slope. Three for the bound of the thesis
+(errata P4):
 
 `thesis`
     The printed (2-36), (2-37): d_max = s dphi_max, dependent on length and slope. It is called
@@ -15,6 +16,17 @@ Three rules (errata P4), s being the length of a segment and phi its slope:
     on the length alone and reproduces the printed tables of RDP-mod. It is negative for
     s <= sqrt(2), so that no curve hides behind two neighbouring pixels, and between sqrt(2) and
     2, where the formula has a pole and no pair of pixels lies, the value of s = 2 holds.
+
+And those that the thesis compares it with (2.4.3):
+
+`dss4`
+    d_DSS = abs(sin phi) + abs(cos phi), the width of a 4-connected digital straight segment.
+`dss8`
+    max(abs(sin phi), abs(cos phi)), that of an 8-connected one (errata P5). No pixel of a
+    digital straight segment is as far as that from the chord between its ends.
+`tan`
+    d_tan = s asin(sqrt(2) / s), from end points moved by at most half a pixel's diagonal; the
+    turn is a right angle for s <= sqrt(2). It depends on the length alone.
 """
 
 from __future__ import annotations
@@ -25,7 +37,7 @@ from geoprim_core import _check
 from geoprim_core.errors import ParameterError
 from geoprim_core.polygon._kernels import deviation_bound_of, slope_bound_of
 
-RULES = ("thesis", "exact", "released")
+RULES = ("thesis", "exact", "released", "dss4", "dss8", "tan")
 
 
 def rule_number(rule: str) -> int:
@@ -53,7 +65,7 @@ def deviation_bound(start: npt.ArrayLike, end: npt.ArrayLike, rule: str = "relea
     ----------
     start, end : (2,) array
         End points (x, y) of the segment in pixels.
-    rule : {"thesis", "exact", "released"}
+    rule : {"thesis", "exact", "released", "dss4", "dss8", "tan"}
 
     Returns
     -------
@@ -69,7 +81,7 @@ def deviation_bound(start: npt.ArrayLike, end: npt.ArrayLike, rule: str = "relea
 
     References
     ----------
-    Thesis (2-36), (2-37); errata P4.
+    Thesis (2-36), (2-37), (2-46), (2-49); errata P4, P5.
 
     Examples
     --------
@@ -87,7 +99,7 @@ def slope_bound(start: npt.ArrayLike, end: npt.ArrayLike, rule: str = "released"
     ----------
     start, end : (2,) array
         End points (x, y) of the segment in pixels.
-    rule : {"thesis", "exact", "released"}
+    rule : {"thesis", "exact", "released", "dss4", "dss8", "tan"}
 
     Returns
     -------
@@ -103,7 +115,7 @@ def slope_bound(start: npt.ArrayLike, end: npt.ArrayLike, rule: str = "released"
 
     References
     ----------
-    Thesis (2-28), (2-36); errata P4.
+    Thesis (2-28), (2-36), (2-48); errata P4, P5.
 
     Examples
     --------
@@ -112,3 +124,60 @@ def slope_bound(start: npt.ArrayLike, end: npt.ArrayLike, rule: str = "released"
     """
     dx, dy = _check.finite(end, "end", (2,)) - _check.finite(start, "start", (2,))
     return float(slope_bound_of(rule_number(rule), dx, dy))
+
+
+def dss_bound(start: npt.ArrayLike, end: npt.ArrayLike, connectivity: int = 8) -> float:
+    """Return d_DSS, the width of a digital straight segment of this slope, in pixels.
+
+    Parameters
+    ----------
+    start, end : (2,) array
+        End points (x, y) of the segment in pixels.
+    connectivity : 4 or 8
+        Whether neighbouring pixels share a side or also a corner only.
+
+    Returns
+    -------
+    float
+        In pixels; 0 for coincident end points.
+
+    Raises
+    ------
+    InputError
+        An end point is not two finite numbers.
+    ParameterError
+        The connectivity is neither 4 nor 8.
+
+    References
+    ----------
+    J.-P. Reveilles, "Geometrie discrete, calcul en nombres entiers et algorithmique", these
+    d'etat, Strasbourg, 1991; thesis 2.4.3.1, (2-46); errata P5.
+
+    Examples
+    --------
+    >>> round(dss_bound((0, 0), (4, 3)), 3), round(dss_bound((0, 0), (4, 3), connectivity=4), 3)
+    (0.8, 1.4)
+    """
+    if connectivity not in (4, 8):
+        raise ParameterError("connectivity", "4 or 8", _check.describe(connectivity))
+    return deviation_bound(start, end, f"dss{connectivity}")
+
+
+def tan_bound(start: npt.ArrayLike, end: npt.ArrayLike) -> float:
+    """Return d_tan, the deviation that the simplified turn of a segment gives, in pixels.
+
+    Raises
+    ------
+    InputError
+        An end point is not two finite numbers.
+
+    References
+    ----------
+    Thesis 2.4.3.2, (2-48), (2-49).
+
+    Examples
+    --------
+    >>> [round(tan_bound((0, 0), (s, 0)), 3) for s in (2, 5, 1000)]
+    [1.571, 1.434, 1.414]
+    """
+    return deviation_bound(start, end, "tan")

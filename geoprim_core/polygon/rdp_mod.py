@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 import numpy.typing as npt
 
 from geoprim_core import _check
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core.errors import InputError
-from geoprim_core.params import Params, as_params, option
-from geoprim_core.polygon._kernels import farthest_pair_of, rdp_mod_of
+from geoprim_core.params import Params, option
+from geoprim_core.polygon._kernels import farthest_pair_of
+from geoprim_core.polygon._kernels_split import split_curves
+from geoprim_core.polygon._one_curve import of_one_curve
 from geoprim_core.polygon.bounds import RULES, rule_number
 
 
@@ -65,17 +66,16 @@ def rdp_mod(
     >>> rdp_mod(corner).tolist()
     [0, 4, 8]
     """
-    curve = _check.points(points)
-    indices, _ = rdp_mod_batch(
-        curve, np.array([0, len(curve)]), np.array([bool(closed)]), as_params(params, RdpModParams)
-    )
-    return indices
+    return of_one_curve(rdp_mod_batch, points, closed, params, RdpModParams)
 
 
 def rdp_mod_batch(
     points: FloatArray, offsets: IntArray, closed: BoolArray, params: RdpModParams
 ) -> tuple[IntArray, IntArray]:
     """Approximate many curves in one kernel call; arguments as in `Contours`.
+
+    A curve that would cost a plain search more than a few looks at every point, a comb or a
+    spiral, is searched through the convex hulls of its blocks, with the same result.
 
     Returns
     -------
@@ -85,13 +85,14 @@ def rdp_mod_batch(
 
     Examples
     --------
+    >>> import numpy as np
     >>> line = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
     >>> indices, offsets = rdp_mod_batch(line, np.array([0, 3]), np.array([False]), RdpModParams())
     >>> indices.tolist(), offsets.tolist()
     ([0, 2], [0, 2])
     """
     result: tuple[IntArray, IntArray]
-    result = rdp_mod_of(points, offsets, closed, rule_number(params.bound))
+    result = split_curves(points, offsets, closed, rule_number(params.bound), 0.0)
     return result
 
 

@@ -136,3 +136,19 @@ def test_a_refusal_is_one_line(words, said, capsys):
     captured = capsys.readouterr()
     assert said in captured.err
     assert "Traceback" not in captured.err
+
+
+def test_polygon_methods_are_timed_and_drawn(tmp_path, capsys):
+    words = ["bench", "polygon", "--methods", "rdp_mod", "--workloads", "1", "--repeat", "1"]
+    assert main([*words, "--output", str(tmp_path)]) == 0
+    text = capsys.readouterr().out
+    assert "| rdp_mod | " in text and "| opencv | " in text
+    assert text.startswith((tmp_path / "polygon_speed.md").read_text())
+    picture = tmp_path / "disc.png"
+    write_image(picture, disc_image(140, 120, centre=(70, 60), radius=35))
+    assert (
+        main(["polygons", str(picture), "--method", "rdp_mod", "-o", str(tmp_path / "o.png")]) == 0
+    )
+    method, contours, points, vertices, _ = capsys.readouterr().out.splitlines()[1].split()
+    assert method == "rdp_mod" and int(contours) >= 1 and int(points) > 5 * int(vertices) > 40
+    assert (read_image(tmp_path / "o.png") != read_image(picture)[:, :, None]).any()

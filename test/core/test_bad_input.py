@@ -60,7 +60,9 @@ def test_wrong_parameters_are_refused():
     with pytest.raises(InputError, match="params: expected a DetectorParams or None"):
         geoprim_core.detect_ellipses(image, {"edges": 1})
     contours = geoprim_core.extract_contours(image)
-    with pytest.raises(InputError, match=r"method: expected a polygon.* method, one of rdp_mod"):
+    with pytest.raises(
+        InputError, match=r"method: expected a polygon.* method, one of rdp, rdp_mod"
+    ):
         geoprim_core.approximate(contours, method="rdp_modd")
     with pytest.raises(InputError, match=r"method: expected a .*one of .*ellifit"):
         geoprim_core.fit_ellipse([[0, 0]], method="circle")

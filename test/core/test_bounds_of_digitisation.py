@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geoprim_core.errors import InputError, ParameterError
-from geoprim_core.polygon import deviation_bound, slope_bound
+from geoprim_core.polygon import deviation_bound, dss_bound, slope_bound, tan_bound
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_printed_rule_stays_below_the_root_of_two():
             assert deviation_bound((0, 0), (x, y), "thesis") < np.sqrt(2)
 
 
-@pytest.mark.parametrize("rule", ["thesis", "exact", "released"])
+@pytest.mark.parametrize("rule", ["thesis", "exact", "released", "dss4", "dss8", "tan"])
 def test_bounds_do_not_depend_on_position_direction_or_octant(rule):
     value = deviation_bound((0, 0), (7, 3), rule)
     for dx, dy in [(3, 7), (-7, 3), (7, -3), (-3, -7)]:
@@ -67,7 +67,38 @@ def test_bounds_do_not_depend_on_position_direction_or_octant(rule):
     assert slope_bound((4, 4), (4, 4), rule) == np.pi / 2
 
 
+def test_the_three_bounds_meet_for_long_segments():
+    # (2-50)-(2-52): d_dig tends to d_DSS of the same slope, the largest of both and d_tan to sqrt 2
+    for phi in np.linspace(0, np.pi / 2, 19):
+        end = 1e7 * np.array([np.cos(phi), np.sin(phi)])
+        dss = dss_bound((0, 0), end, connectivity=4)
+        assert dss == pytest.approx(abs(np.cos(phi)) + abs(np.sin(phi)))
+        assert deviation_bound((0, 0), end, "thesis") == pytest.approx(dss, abs=1e-6)
+        assert deviation_bound((0, 0), end, "exact") == pytest.approx(dss, abs=1e-6)
+        assert tan_bound((0, 0), end) == pytest.approx(np.sqrt(2), abs=1e-6)
+    assert dss_bound((0, 0), (9, 9), connectivity=4) == pytest.approx(np.sqrt(2))
+
+
+def test_tan_bound_is_the_inner_tangent_of_two_circles():
+    for length in (1.5, 2.0, 7.0):
+        turn = slope_bound((0, 0), (0, length), "tan")
+        assert np.sin(turn) * length / 2 == pytest.approx(1 / np.sqrt(2))
+        assert tan_bound((0, 0), (0, length)) == pytest.approx(length * turn)
+    assert slope_bound((0, 0), (1, 0), "tan") == np.pi / 2
+
+
+@pytest.mark.parametrize("dx, dy", [(31, 7), (40, 23), (17, -16), (-50, 3)])
+def test_no_pixel_of_a_digital_segment_is_as_far_as_its_width(dx, dy):
+    # Errata P5: the naive, 8-connected segment; its standard form has the width of `dss4`.
+    count = max(abs(dx), abs(dy))
+    line = np.rint(np.arange(count + 1)[:, None] / count * [dx, dy])
+    away = np.abs(line[:, 0] * dy - line[:, 1] * dx) / np.hypot(dx, dy)
+    assert away.max() < dss_bound((0, 0), (dx, dy), 8) < dss_bound((0, 0), (dx, dy), 4)
+
+
 def test_wrong_arguments_are_named():
+    with pytest.raises(ParameterError, match="4 or 8"):
+        dss_bound((0, 0), (1, 0), connectivity=6)
     with pytest.raises(ParameterError, match="thesis, exact, released"):
         deviation_bound((0, 0), (1, 0), "best")
     with pytest.raises(InputError, match="end"):

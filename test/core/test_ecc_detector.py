@@ -96,7 +96,7 @@ def test_detections_come_from_contours_and_polygons_alone(scheme):
     params = DetectorParams.for_scheme(scheme)
     image = busy_image()
     contours = extract_contours(image, params.edges)
-    polygons = approximate(contours, params=params.polygon)
+    polygons = approximate(contours, params=params.polygon.rdp_mod)
     found = detect_from_contours(contours, polygons, params.ecc)
     whole = detect_ellipses(image, params)
     assert np.array_equal(found.ellipses.array(), whole.ellipses.array())

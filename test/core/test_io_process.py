@@ -65,7 +65,7 @@ def test_messages_equal_direct_calls_field_by_field(processed):
     params = DetectorParams()
     for i, (sequence, image) in enumerate(frames()):
         contours = extract_contours(image, params.edges)
-        polygons = approximate(contours, method="rdp_mod", params=params.polygon)
+        polygons = approximate(contours, method="rdp_mod", params=params.polygon.rdp_mod)
         ellipses = detect_from_contours(contours, polygons, params.ecc)
         objects = classify(ellipses, sorting, CAMERA)
         for topic, value in zip(TOPICS, (contours, polygons, ellipses, objects), strict=True):
