@@ -24,6 +24,10 @@ CLEAN_ENDS = 0.3  # share of ends that nothing explains
 NEARLY_WHOLE = (0.7, 0.9)  # shares of the outline from which it counts as whole, a little and fully
 ROUND_BY_CHANCE = (3.0, 5.0)  # semi-minor axes in pixels at which any blob is round, and no longer
 UNEVEN = 90.0  # evidence lost for a scatter of one semi-minor axis
+EVEN = (
+    0.03,
+    0.015,
+)  # scatter in semi-minor axes at which a whole outline counts not yet, and fully
 ACROSS = 0.82  # cosine of 35 degrees: an edge point turned further crosses the outline
 
 # Columns of the sums that `collect` makes.
@@ -254,7 +258,8 @@ def evidence_of(
     point at random is as near with a probability in proportion to both scatters, so that their
     logarithms count for each pixel. The rest of the outline is extrapolated: the scatter, and
     what lies beyond the image, count in proportion to it. An outline that is as good as whole
-    has more for it than its length: few curves close by chance, but for blobs of some pixels.
+    has more for it than its length: few curves close evenly by chance, but for blobs of some
+    pixels.
     The weights, here and below, are those of a logistic regression.
     """
     aligned = math.log(2.0 / (rms + 0.05)) - math.log(slant + 0.03)
@@ -262,6 +267,7 @@ def evidence_of(
     doubt = (1.0 - share) * extrapolated + UNEVEN * rms / semi_minor
     whole = rising(share, NEARLY_WHOLE[0], NEARLY_WHOLE[1])
     whole *= rising(semi_minor, ROUND_BY_CHANCE[0], ROUND_BY_CHANCE[1])
+    whole *= rising(-rms / semi_minor, -EVEN[0], -EVEN[1])
     return 3.7 * math.log(1.0 + length * max(aligned, 0.1)) + 1.3 * whole - doubt - 17.7
 
 
