@@ -149,8 +149,8 @@ def verify(
     points; the candidate each came from; and the number of candidates looked at closely, one more
     than `max_count` where that left a candidate out. An ellipse with evidence `polish` is refitted
     once more, robustly, and its arcs make no other candidate with each other; one with evidence
-    `sure` and most of its outline covered takes its arcs. Two arcs that both failed `max_tries`
-    times are left alone.
+    `sure` and most of its outline covered takes its arcs. Two arcs that both failed, or gave
+    less evidence than that, `max_tries` times are left alone.
     """
     total = len(points)
     room = min(len(arcs), max_count)
@@ -217,6 +217,9 @@ def verify(
         strong = min(row[1], row[2]) >= MOSTLY and row[0] >= sure
         if row[0] >= polish:
             note_owner(chosen, count, arc_of, ends, tally, owners, owned, taken, found, strong)
+        else:
+            tries[i] += 1
+            tries[max(i, j)] += 1 if j > i else 0
         ellipses[found] = ellipse
         sources[found] = at
         found += 1
