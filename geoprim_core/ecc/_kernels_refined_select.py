@@ -12,6 +12,14 @@ from geoprim_core.ecc._kernels_refined_fit import offset_of
 from geoprim_core.ecc._kernels_refined_outline import ACROSS, Int32Array
 from geoprim_core.fitting._kernels_overlap import overlap_bound, overlap_of
 
+PROBES = 32
+PROBE_COS = np.cos(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
+PROBE_SIN = np.sin(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
+BESIDE = 2.0  # pixels between outlines that are not the same
+WOVEN = 0.2  # least share of an outline on either side of one that it weaves through
+WHOLE = 0.7  # least supported share of such an outline
+CLOSE = 0.4  # pixels, its largest scatter
+
 # What became of an ellipse.
 WEAK, CLAIMED, TWIN, CHOSEN = range(4)
 
@@ -54,15 +62,45 @@ def claim(
 
 
 @kernel
+def weaves(ellipse: FloatArray, other: FloatArray) -> bool:
+    """Tell whether an outline runs inside another for a good part and outside for a good part.
+
+    The second edge of a rim, or a copy, lies on one side of the first or on it.
+    """
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    other_cos, other_sin = math.cos(other[4]), math.sin(other[4])
+    inside = outside = 0
+    for k in range(PROBES):
+        u, v = ellipse[2] * PROBE_COS[k], ellipse[3] * PROBE_SIN[k]
+        x, y = ellipse[0] + u * cos - v * sin, ellipse[1] + u * sin + v * cos
+        d, _, _ = offset_of(other, other_cos, other_sin, x, y)
+        inside += d < -BESIDE
+        outside += d > BESIDE
+    return min(inside, outside) >= WOVEN * PROBES
+
+
+@kernel
 def is_twin(
-    ellipses: FloatArray, chosen: IntArray, found: int, candidate: int, most: float
+    ellipses: FloatArray,
+    figures: FloatArray,
+    chosen: IntArray,
+    found: int,
+    candidate: int,
+    most: float,
 ) -> bool:
-    """Tell whether an ellipse overlaps one of the chosen by more than `most`."""
+    """Tell whether an ellipse overlaps one of the chosen by more than `most`.
+
+    One that is supported closely and nearly all along, and weaves through the other, is another
+    thing.
+    """
+    row = figures[candidate]
+    sound = min(row[1], row[2]) >= WHOLE and row[3] <= CLOSE
     for m in range(found):
         other = ellipses[chosen[m]]
         if overlap_bound(ellipses[candidate], other) > most:
             if overlap_of(ellipses[candidate], other) > most:
-                return True
+                if not (sound and weaves(ellipses[candidate], other)):
+                    return True
     return False
 
 
@@ -134,7 +172,7 @@ def select(
             share = free / (offsets[k + 1] - offsets[k])
             if share < least:
                 outcome[k] = CLAIMED
-            elif is_twin(ellipses, chosen, found, k, most):
+            elif is_twin(ellipses, figures, chosen, found, k, most):
                 outcome[k] = TWIN
             else:
                 judged[k] = found

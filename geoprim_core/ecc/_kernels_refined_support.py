@@ -21,6 +21,10 @@ from geoprim_core.ecc._kernels_refined_outline import (
 )
 
 TINY = 1e-9  # pixels
+NEARLY_WHOLE = (0.7, 0.9)  # shares of the outline from which it counts as whole, a little and fully
+ROUND_BY_CHANCE = (3.0, 5.0)  # semi-minor axes in pixels at which any blob is round, and no longer
+EVEN = (0.03, 0.015)  # scatter in semi-minor axes from which a whole outline counts, and fully
+UNEVEN = 90.0  # evidence lost for a scatter of one semi-minor axis
 
 
 @kernel
@@ -54,6 +58,12 @@ def arcs_of_points(order: IntArray, ends: IntArray, total: int) -> IntArray:
 
 
 @kernel
+def rising(value: float, low: float, high: float) -> float:
+    """Return 0 up to `low`, 1 from `high`, and on a line in between."""
+    return min(1.0, max(0.0, (value - low) / (high - low)))
+
+
+@kernel
 def evidence_of(
     share: float,
     rms: float,
@@ -70,13 +80,18 @@ def evidence_of(
     lies beyond the image. Close alignment over a length is what chance does not give: an edge
     point at random is as near with a probability in proportion to both scatters, so that their
     logarithms count for each pixel. The rest of the outline is extrapolated: the scatter, and
-    what lies beyond the image, count in proportion to it. The weights, here and below, are those
-    of a logistic regression.
+    what lies beyond the image, count in proportion to it. An outline that is as good as whole
+    has more for it than its length: few curves close evenly by chance, but for blobs of some
+    pixels.
+    The weights, here and below, are those of a logistic regression.
     """
     aligned = math.log(2.0 / (rms + 0.05)) - math.log(slant + 0.03)
     extrapolated = 16.0 * rms / growth + 30.0 * outside
-    doubt = (1.0 - share) * extrapolated + 90.0 * rms / semi_minor
-    return 3.7 * math.log(1.0 + length * max(aligned, 0.1)) - doubt - 17.7
+    doubt = (1.0 - share) * extrapolated + UNEVEN * rms / semi_minor
+    whole = rising(share, NEARLY_WHOLE[0], NEARLY_WHOLE[1])
+    whole *= rising(semi_minor, ROUND_BY_CHANCE[0], ROUND_BY_CHANCE[1])
+    whole *= rising(-rms / semi_minor, -EVEN[0], -EVEN[1])
+    return 3.7 * math.log(1.0 + length * max(aligned, 0.1)) + 1.3 * whole - doubt - 17.7
 
 
 @kernel
@@ -112,7 +127,12 @@ def support_evidence(
 def hopeless(
     sums: FloatArray, count: int, stride: float, ellipse: FloatArray, growth: float, least: float
 ) -> bool:
-    """Tell whether the evidence of a first collection of support is below `least`."""
+    """Tell whether the evidence of a first collection of support is below `least`.
+
+    The scatter counts over the gaps only: a small ellipse is easily some tenths of its size off
+    before it is fitted to all of its support.
+    """
     share = min(sums[COVERED] / sums[IN_FRAME], sums[TURN_COVERED] / sums[TURN])
     evidence = support_evidence(sums, count, stride * sums[COVERED], ellipse, growth)
-    return evidence - doubt_of_clutter(share, sums[CROSSING] / count) < least
+    evidence += UNEVEN * math.sqrt(sums[SQUARES] / count) / ellipse[3]
+    return bool(evidence - doubt_of_clutter(share, sums[CROSSING] / count) < least)

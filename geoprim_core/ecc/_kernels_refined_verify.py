@@ -46,6 +46,8 @@ from geoprim_core.ecc._kernels_refined_support import (
 FIGURES = 8
 SLOTS = 8  # verified ellipses remembered for each arc
 OWNED = 0.7  # an arc belongs to an ellipse that this share of its points support
+TAKEN = 0.9  # and is taken by a sure one that this share supports: no other may need the rest
+MOSTLY = 0.6  # supported share of the outline of a sure ellipse
 
 
 @kernel
@@ -83,7 +85,7 @@ def note_owner(
             if tally[arc] > OWNED * (ends[arc + 1] - ends[arc]):
                 owners[arc, owned[arc] % SLOTS] = ellipse
                 owned[arc] += 1
-                if strong:
+                if strong and tally[arc] > TAKEN * (ends[arc + 1] - ends[arc]):
                     taken[arc] = 1
             tally[arc] = 0
 
@@ -152,8 +154,9 @@ def verify(
     contour goes on and at which nothing explains a gap; offsets and indices of their supporting
     points; the candidate each came from; and the number of candidates looked at closely, one more
     than `max_count` where that left a candidate out. An ellipse with evidence `polish` is refitted
-    once more, robustly; one with evidence `sure` and half its outline covered takes its arcs. Two
-    arcs that both failed `max_tries` times are left alone.
+    once more, robustly, and its arcs make no other candidate with each other; one with evidence
+    `sure` and most of its outline covered takes its arcs. Two arcs that both failed, or gave
+    less evidence than that, `max_tries` times are left alone.
     """
     total = len(points)
     room = min(len(arcs), max_count)
@@ -214,8 +217,12 @@ def verify(
             support = np.concatenate((support, np.empty(len(support) + count, np.int64)))
         support[used : used + count] = chosen[:count]
         row = figures[found]
-        strong = min(row[1], row[2]) >= 0.5 and row[0] >= sure
-        note_owner(chosen, count, arc_of, ends, tally, owners, owned, taken, found, strong)
+        strong = min(row[1], row[2]) >= MOSTLY and row[0] >= sure
+        if row[0] >= polish:
+            note_owner(chosen, count, arc_of, ends, tally, owners, owned, taken, found, strong)
+        else:
+            tries[i] += 1
+            tries[max(i, j)] += 1 if j > i else 0
         ellipses[found] = ellipse
         sources[found] = at
         found += 1

@@ -65,7 +65,7 @@ class RefinedParams(Params):
         high=10.0,
     )
     min_pair_share: float = option(
-        0.085, "pairs: least share of the outline that the arcs make up", low=0.01, high=1.0
+        0.07, "pairs: least share of the outline that the arcs make up", low=0.01, high=1.0
     )
     max_pairs: int = option(
         5_000_000, "pairs: as many are looked at, longest arcs first", low=1, high=1_000_000_000

@@ -30,6 +30,8 @@ def drawn(seed, count):
     figures = np.zeros((count, 8))
     figures[:, 0] = generator.uniform(-0.5, 4, count)
     figures[:, 1] = generator.choice([0.5, 0.7, 1.0], count)
+    figures[:, 2] = figures[:, 1]
+    figures[:, 3] = generator.choice([0.1, 0.9], count)
     figures[:, 5] = generator.choice([60.0, 80.0, 100.0], count)  # ties
     offsets = np.arange(count + 1) * 90
     return np.concatenate(points), np.concatenate(normals), rows, figures, offsets
@@ -46,7 +48,8 @@ def plain(head, following, points, normals, rows, figures, offsets, members):
         for k in np.flatnonzero(alive):
             share = np.mean(~claimed[members[offsets[k] : offsets[k + 1]]])
             taken = np.array(chosen, np.int64)
-            alive[k] = share >= LEAST and not select.is_twin(rows, taken, len(taken), k, MOST)
+            twin = select.is_twin(rows, figures, taken, len(taken), k, MOST)
+            alive[k] = share >= LEAST and not twin
             value[k] = strength[k] * share if alive[k] else 0.0
         if not alive.any():
             return chosen
@@ -67,3 +70,29 @@ def test_the_heap_chooses_what_the_plain_greedy_selection_does_in_its_order(seed
     assert chosen.tolist() == plain(*given_to_both)
     assert np.flatnonzero(outcome == select.CHOSEN).tolist() == sorted(chosen.tolist())
     assert np.array_equal(outcome == select.WEAK, figures[:, 0] < WEAKEST)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.floats(20, 90), st.floats(0.5, 1), st.floats(0, 3.1), st.floats(0.8, 1.25))
+def test_the_second_edge_of_a_rim_does_not_weave_through_the_first(a, ratio, angle, scale):
+    row = np.array([100.0, 90.0, a, a * ratio, angle])
+    other = row * [1, 1, scale, scale, 1]
+    assert not select.weaves(row, other)
+    assert not select.weaves(other, row)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.floats(40, 90), st.floats(0.6, 0.8), st.floats(0, 1.5))
+def test_an_ellipse_weaves_through_itself_turned_by_a_right_angle(a, ratio, angle):
+    row = np.array([100.0, 90.0, a, a * ratio, angle])
+    turned = np.array([100.0, 90.0, a, a * ratio, angle + np.pi / 2])
+    assert select.weaves(row, turned)
+
+
+def test_what_weaves_is_a_twin_unless_it_is_closely_supported_nearly_all_along():
+    rows = np.array([[100.0, 90.0, 60.0, 52.0, 0.3], [100.0, 90.0, 60.0, 52.0, 0.3 + np.pi / 2]])
+    first = np.array([0])
+    for coverage, rms, twin in ((0.9, 0.1, False), (0.6, 0.1, True), (0.9, 0.8, True)):
+        figures = np.zeros((2, 8))
+        figures[:, 1:4] = coverage, coverage, rms
+        assert select.is_twin(rows, figures, first, 1, 1, MOST) == twin

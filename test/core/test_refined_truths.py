@@ -77,6 +77,23 @@ def test_two_crossing_ellipses_are_both_found(kind, drawing):
     assert_same(found_in(image), CROSSING, 0.35)
 
 
+def test_two_ellipses_that_overlap_nearly_all_over_are_both_found():
+    truth = Ellipses.from_array([[130, 110, 90, 76, 0.3], [130, 110, 90, 76, 0.3 + np.pi / 2]])
+    assert overlap_matrix(truth, truth)[0, 1] > RefinedParams().max_overlap
+    levels = np.array([110.0, 220.0])
+    image = render_ellipses(truth, SIZE, kind="overlapping", levels=levels, background=40.0)
+    assert_same(found_in(image), truth, 0.35)
+
+
+@pytest.mark.parametrize("radius", [5.2, 6.0, 8.0])
+def test_a_small_disc_that_touches_another_is_found(radius):
+    truth = Ellipses.from_array(
+        [[60.2, 50.4, 25, 25, 0.0], [60.2 + 25 + radius, 50.4, radius, radius, 0.0]]
+    )
+    image = render_ellipses(truth, (130, 100), levels=np.array([200.0, 90.0]), background=30.0)
+    assert_same(found_in(image), truth, 0.4)
+
+
 def test_the_two_arcs_of_an_occluded_ellipse_are_joined():
     truth = Ellipses.from_array([[130, 110, 90, 40, 0.0], [130, 110, 90, 22, np.pi / 2]])
     image = render_ellipses(truth, SIZE, levels=np.array([200.0, 110.0]))
