@@ -1,13 +1,10 @@
 """Kernels of Masood's method and of its non-parametric form, thesis 2.5.2 and errata P7.
 
-The polygon is a doubly linked list of curve indices. The cost of a segment is its squared error
-(`by_error`) or its largest deviation; costs are added in the first case, the larger one counts
-in the second.
+The polygon is a doubly linked list of curve indices; costs and moves stand in `_kernels_moves`.
 """
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -16,29 +13,16 @@ from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.polygon._kernels import deviation_bound_of
 from geoprim_core.polygon._kernels_heap import put, take_out
-from geoprim_core.polygon._kernels_reach import (
-    Hulls,
-    block_hulls,
-    farthest_by_hulls,
-    no_hulls,
+from geoprim_core.polygon._kernels_moves import (
+    Curve,
+    best_place,
+    cost_of,
+    curve_of,
+    joined_cost,
+    largest_deviation,
 )
-from geoprim_core.polygon._kernels_segments import running_moments, squared_error
 
-LONG = 1024  # points of a segment whose deviation is worth a look at the hulls
-
-
-class Curve(NamedTuple):
-    """A curve, written twice if it is closed, with what segments need."""
-
-    x: FloatArray
-    y: FloatArray
-    sums: FloatArray
-    hulls: Hulls
-    size: int
-    closed: bool
-    by_error: bool
-    window: int
-    moves: int
+REMEMBERED = 4  # moves of either side whose answers are kept; the others share the last place
 
 
 class Chain(NamedTuple):
@@ -53,6 +37,8 @@ class Chain(NamedTuple):
     place: IntArray
     value: FloatArray
     size: IntArray
+    known: IntArray  # of each vertex and move: the neighbours and vertex last asked for, the answer
+    gain: FloatArray
 
 
 class Plan(NamedTuple):
@@ -64,99 +50,23 @@ class Plan(NamedTuple):
 
 
 @kernel
-def _curve_of(points: FloatArray, closed: bool, by_error: bool, window: int, moves: int) -> Curve:
-    count = len(points)
-    total = 2 * count if closed else count
-    x, y = np.empty(total), np.empty(total)
-    for i in range(total):
-        source = i if i < count else i - count
-        x[i], y[i] = points[source, 0], points[source, 1]
-    hulls = block_hulls(x, y, total) if total > LONG else no_hulls()
-    return Curve(x, y, running_moments(x, y, total), hulls, count, closed, by_error, window, moves)
+def _move(
+    curve: Curve, known: IntArray, gain: FloatArray, slot: int, a: int, v: int, b: int
+) -> tuple[int, float]:
+    """Return the best place of v between a and b and the change of cost; remember the answer.
 
-
-@kernel
-def _deviation(
-    x: FloatArray, y: FloatArray, hulls: Hulls, low: int, high: int, enough: float, hint: int
-) -> tuple[float, int]:
-    """Return the largest deviation of a segment, or one beyond `enough`, and where it is.
-
-    The point `hint` is looked at first: where one place of a vertex failed, the next will.
+    A deletion changes few of the neighbourhoods that later plans ask for again.
     """
-    dx, dy = x[high] - x[low], y[high] - y[low]
-    length = math.sqrt(dx * dx + dy * dy)
-    if high - low > LONG or length == 0.0:
-        place, value = farthest_by_hulls(x, y, hulls, low, high)
-        return value, place
-    enough *= length
-    if low < hint < high:
-        value = abs(dx * (y[hint] - y[low]) - dy * (x[hint] - x[low]))
-        if value > enough:
-            return value / length, hint
-    best, place = 0.0, low
-    for i in range(low + 1, high):
-        value = abs(dx * (y[i] - y[low]) - dy * (x[i] - x[low]))
-        if value > best:
-            best, place = value, i
-            if best > enough:
-                break
-    return best / length, place
-
-
-@kernel
-def _cost(
-    x: FloatArray, y: FloatArray, sums: FloatArray, hulls: Hulls, count: int, by_error: bool,
-    a: int, b: int,
-) -> float:  # fmt: skip
-    """Return the cost of the segment from vertex a on to vertex b."""
-    high = b if b > a else b + count
-    if by_error:
-        return squared_error(x, y, sums, a, high)
-    return _deviation(x, y, hulls, a, high, np.inf, -1)[0]
-
-
-@kernel
-def _joined(
-    x: FloatArray, y: FloatArray, sums: FloatArray, hulls: Hulls, count: int, by_error: bool,
-    a: int, v: int, b: int,
-) -> float:  # fmt: skip
-    """Return the cost of the two segments a-v-b."""
-    first = _cost(x, y, sums, hulls, count, by_error, a, v)
-    second = _cost(x, y, sums, hulls, count, by_error, v, b)
-    return first + second if by_error else max(first, second)
-
-
-@kernel
-def _best_place(
-    x: FloatArray, y: FloatArray, sums: FloatArray, hulls: Hulls, count: int, by_error: bool,
-    window: int, a: int, v: int, b: int, now: float,
-) -> tuple[int, float]:  # fmt: skip
-    """Return where between a and b the vertex v costs least, and what; it stays where ties.
-
-    The search goes from v either way and ends after `window` points without a gain. On a closed
-    curve it may reach all of the curve but one point (a = b).
-    """
-    middle = v if v > a else v + count  # indices of the curve written twice
-    last = b if b > a else b + count
-    place, best = v, now - 1e-9 * (1.0 + now)  # rounding is no improvement
-    first_hint, second_hint = -1, -1
-    for side in (-1, 1):
-        q, idle = middle + side, 0
-        while a < q < last and idle < window:
-            if by_error:
-                value = squared_error(x, y, sums, a, q)
-                if value < best:
-                    value += squared_error(x, y, sums, q, last)
-            else:
-                value, first_hint = _deviation(x, y, hulls, a, q, best, first_hint)
-                if value < best:
-                    other, second_hint = _deviation(x, y, hulls, q, last, best, second_hint)
-                    value = max(value, other)
-            idle += 1
-            if value < best:
-                place, best, idle = q, value, 0
-            q += side
-    return (place if place < count else place - count), (best if place != v else now)
+    if known[slot, 0] == a and known[slot, 1] == v and known[slot, 2] == b:
+        return known[slot, 3], gain[slot]
+    # Taken out once: a named tuple counts its arrays each time that it hands one out.
+    x, y, sums, hulls = curve.x, curve.y, curve.sums, curve.hulls
+    count, by_error, window = curve.size, curve.by_error, curve.window
+    now = joined_cost(x, y, sums, hulls, count, by_error, a, v, b)
+    place, best = best_place(x, y, sums, hulls, count, by_error, window, a, v, b, now)
+    known[slot, 0], known[slot, 1], known[slot, 2], known[slot, 3] = a, v, b, place
+    gain[slot] = best - now
+    return place, best - now
 
 
 @kernel
@@ -165,25 +75,25 @@ def _plan(curve: Curve, chain: Chain, p: int, plan: Plan) -> float:
 
     Only neighbours that gain by it move; the first that does not, ends the moves of its side.
     """
-    # Taken out once: a named tuple counts its arrays each time that it hands one out.
     x, y, sums, hulls = curve.x, curve.y, curve.sums, curve.hulls
-    count, by_error, window, moves = curve.size, curve.by_error, curve.window, curve.moves
+    count, by_error, moves = curve.size, curve.by_error, curve.moves
     before, after, source, target = chain.before, chain.after, plan.source, plan.target
-    left, right = before[p], after[p]
+    known, gain = chain.known, chain.gain
+    left, right, slot = before[p], after[p], 2 * REMEMBERED * p
     value = 0.0
     if by_error:
-        value = _cost(x, y, sums, hulls, count, by_error, left, right) - _joined(
+        value = cost_of(x, y, sums, hulls, count, by_error, left, right) - joined_cost(
             x, y, sums, hulls, count, by_error, left, p, right
         )
     size = 0
     vertex, other = left, right
     while size < moves and vertex != right and (curve.closed or vertex != 0):
         a = before[vertex]
-        now = _joined(x, y, sums, hulls, count, by_error, a, vertex, other)
-        place, best = _best_place(x, y, sums, hulls, count, by_error, window, a, vertex, other, now)
+        at = slot + min(size, REMEMBERED - 1)
+        place, change = _move(curve, known, gain, at, a, vertex, other)
         if place == vertex:
             break
-        value += best - now
+        value += change
         source[size], target[size] = vertex, place
         size += 1
         vertex, other = a, place
@@ -196,11 +106,11 @@ def _plan(curve: Curve, chain: Chain, p: int, plan: Plan) -> float:
             taken = taken or source[k] == vertex or source[k] == b
         if taken:
             break
-        now = _joined(x, y, sums, hulls, count, by_error, other, vertex, b)
-        place, best = _best_place(x, y, sums, hulls, count, by_error, window, other, vertex, b, now)
+        at = slot + REMEMBERED + min(size - up, REMEMBERED - 1)
+        place, change = _move(curve, known, gain, at, other, vertex, b)
         if place == vertex:
             break
-        value += best - now
+        value += change
         source[size], target[size] = vertex, place
         size += 1
         vertex, other = b, place
@@ -238,7 +148,7 @@ def _worst(curve: Curve, vertices: IntArray, size: int, rule: int) -> tuple[floa
     for k in range(size - 1):
         low = vertices[k]
         high = vertices[k + 1] if vertices[k + 1] > low else vertices[k + 1] + count
-        value = _deviation(x, y, hulls, low, high, np.inf, -1)[0]
+        value = largest_deviation(x, y, hulls, low, high, np.inf, -1)[0]
         largest = max(largest, value)
         if rule >= 0 and high - low > 1:
             dx, dy = x[high] - x[low], y[high] - y[low]
@@ -303,6 +213,7 @@ def _chain_of(vertices: IntArray, count: int) -> Chain:
         np.zeros(count, np.int64), np.zeros(count, np.int64), np.zeros(count, np.bool_),
         np.zeros(count, np.int64), np.zeros(count, np.int64),
         np.empty(count, np.int64), np.full(count, -1), np.zeros(count), np.zeros(1, np.int64),
+        np.full((2 * REMEMBERED * count, 4), -1), np.empty(2 * REMEMBERED * count),
     )  # fmt: skip
     for k in range(len(vertices)):
         a, b = vertices[k], vertices[k + 1 if k + 1 < len(vertices) else 0]
@@ -324,7 +235,7 @@ def masood_of(
     if left <= 2:
         return vertices.copy()
     by_error = rule < 0
-    curve = _curve_of(points, closed, by_error, window, moves)
+    curve = curve_of(points, closed, by_error, window, moves)
     chain = _chain_of(vertices, curve.size)
     room = 2 * moves + 2
     plan = Plan(np.empty(room, np.int64), np.empty(room, np.int64), np.zeros(2, np.int64))

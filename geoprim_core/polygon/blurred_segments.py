@@ -55,7 +55,7 @@ def blurred_segments(
     -------
     (m,) int64
         Indices of the vertices, strictly increasing; an open curve keeps both ends. A closed
-        curve that is one blurred segment gives its two farthest pixels.
+        curve that is one blurred segment gives its two farthest pixels, or the one that it is.
 
     Raises
     ------
@@ -85,5 +85,5 @@ def blurred_segments(
     found, whole = maximal_blurred_segments(curve, bool(closed), settings.width, rule)
     if whole:
         first, second = farthest_pair_of(curve)
-        return np.array([first, second] if second > first else [0, count - 1])
+        return np.unique([first, second])
     return np.unique(vertices_of(curve, found, bool(closed)) % count)

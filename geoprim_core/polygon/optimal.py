@@ -78,7 +78,8 @@ def optimal(
     Returns
     -------
     (m,) int64
-        Indices of the vertices, strictly increasing; an open curve keeps both ends.
+        Indices of the vertices, strictly increasing; an open curve keeps both ends. A closed one
+        whose pixels are all the same is one vertex, unless more `points` are asked for.
 
     Raises
     ------
@@ -106,6 +107,8 @@ def optimal(
     vertices = max(settings.points, 2)
     if count <= 2 or (settings.points and vertices >= count):
         return np.arange(count)
+    if closed and not settings.points and (curve == curve[0]).all():
+        return np.zeros(1, np.int64)
     problem = Problem.of(curve, bool(closed))
     if settings.points:
         path = _least_error(problem, vertices, settings.measure)

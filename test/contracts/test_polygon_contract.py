@@ -8,7 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geoprim_core.errors import InputError, ParameterError
-from geoprim_core.polygon import TABLE, PolygonParams, approximate, deviation_bound
+from geoprim_core.evaluation import measure_polygon
+from geoprim_core.polygon import (
+    TABLE,
+    OptimalParams,
+    PolygonParams,
+    approximate,
+    deviation_bound,
+    optimal,
+)
 from geoprim_core.types import Contours
 
 ROWS = pytest.mark.parametrize("row", list(TABLE), ids=TABLE.names)
@@ -17,8 +25,9 @@ ROWS = pytest.mark.parametrize("row", list(TABLE), ids=TABLE.names)
 REFUSING = {"masood": {"refuse": True}, "carmona_mod": {"refuse": True}}
 # r_i of (2-65) is a ratio of lengths: the only corner of a curve passes for any size.
 WITHOUT_LAST_CORNER = {"carmona"}
-# A second or more for the full length on a busy machine, and a kernel each.
-SLOW: set[str] = {"masood", "masood_mod"}
+# Masood's methods take a second or more for the full length on a busy machine. `optimal` refuses
+# more than 40 million states, vertices times pixels: what is exact is not for such lengths.
+LENGTHS = {"masood": 20_000, "masood_mod": 20_000, "optimal": 3_000}
 # Parameters under which a digital straight segment is two points. The others judge by an area
 # (visvalingam), by every change of direction (break_points), by local extrema (teh_chin) or by
 # r_i (carmona).
@@ -30,15 +39,34 @@ STRAIGHT = {
     "masood_mod": {"bound": "exact", "refuse": True},
     "carmona_mod": {"bound": "exact", "refuse": True},
     "lowe": {},
+    "optimal": {},
+    "blurred_segments": {"bound": "exact"},
+}
+# The same of a 4-connected segment, whose pixels lie up to sqrt(2) from its chord; along an axis
+# it is up to 2 pixels thick.
+STRAIGHT_4 = STRAIGHT | {
+    "rdp": {"tolerance": 1.5},
+    "masood": {"tolerance": 2.0, "refuse": True},
+    "optimal": {"tolerance": 1.5},
+    "blurred_segments": {"width": 2.0},
 }
 STEPS = np.array([(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)])
 
 
 @st.composite
 def curves(draw: st.DrawFn) -> np.ndarray:
-    """Draw an 8-connected digital curve of at most 60 pixels."""
-    codes = draw(st.lists(st.integers(0, 7), min_size=0, max_size=59))
-    return np.vstack([np.zeros((1, 2)), STEPS[codes].cumsum(axis=0)]) if codes else np.zeros((1, 2))
+    """Draw a curve of at most 60 points: 8- or 4-connected pixels, semi-digital, or neither.
+
+    Coordinates off the grid are multiples of 1/16, so that a shift or a turn changes no digit.
+    """
+    if draw(st.booleans()):
+        allowed = draw(st.sampled_from([(0, 1, 2, 3, 4, 5, 6, 7), (0, 2, 4, 6)]))
+        steps = STEPS[draw(st.lists(st.sampled_from(allowed), max_size=59))]
+    else:
+        whole, off = st.integers(-3, 3).map(lambda k: 16 * k), st.integers(-48, 48)
+        first = draw(st.sampled_from([whole, off]))
+        steps = np.array(draw(st.lists(st.tuples(first, off), max_size=59))).reshape(-1, 2) / 16
+    return np.vstack([np.zeros((1, 2)), steps.reshape(-1, 2).cumsum(axis=0)])
 
 
 def digital_circle(radius: float) -> np.ndarray:
@@ -118,6 +146,26 @@ def test_a_digital_straight_segment_of_any_slope_needs_two_points(row, dx, dy):
     assert row.function(line, closed=False, params=params).tolist() == [0, count]
 
 
+@ROWS
+@given(dx=st.integers(-150, 150), dy=st.integers(-150, 150))
+@settings(max_examples=40, deadline=None)
+def test_a_4_connected_straight_segment_of_any_slope_needs_two_points(row, dx, dy):
+    if row.name not in STRAIGHT_4 or (dx, dy) == (0, 0):
+        return
+    # Of two steps the one that leaves the pixel nearer to the line, in whole numbers.
+    x = y = 0
+    line = [(0, 0)]
+    while (x, y) != (abs(dx), abs(dy)):
+        if x < abs(dx) and (y == abs(dy) or (2 * y + 1) * abs(dx) >= (2 * x + 1) * abs(dy)):
+            x += 1
+        else:
+            y += 1
+        line.append((x, y))
+    line = np.array(line) * [np.sign(dx), np.sign(dy)]
+    params = row.params.from_dict(STRAIGHT_4[row.name])
+    assert row.function(line, closed=False, params=params).tolist() == [0, len(line) - 1]
+
+
 def pieces(curve, indices, closed):
     """Yield the part of a curve of every edge of its polygon, both ends included."""
     for i, j in itertools.pairwise(indices):
@@ -135,8 +183,10 @@ def deviations(piece):
     return np.abs(chord[0] * away[:, 1] - chord[1] * away[:, 0]) / length
 
 
-# What a method promises of each edge: largest deviation in pixels.
+# What a method promises of each edge: largest deviation in pixels. (PRO promises means, blurred
+# segments a thickness: core/test_polygon_truths.py, core/test_blurred_segments.py.)
 PROMISES = {
+    "optimal": ({"tolerance": 1.3}, lambda a, b: 1.3),
     "rdp": ({"tolerance": 1.5}, lambda a, b: 1.5),
     "rdp_mod": ({"bound": "exact"}, lambda a, b: deviation_bound(a, b, "exact")),
     "masood": ({"refuse": True}, lambda a, b: np.sqrt(0.9)),
@@ -167,6 +217,21 @@ def test_the_promised_tolerance_holds(row, curve, closed, scale):
             assert deviations(piece).max() <= limit(piece[0], piece[-1]) + 1e-9
 
 
+@ROWS
+@given(curve=curves().filter(lambda c: len(c) > 2), closed=st.booleans())
+@settings(max_examples=40, deadline=None)
+def test_no_row_beats_the_optimal_polygon_of_as_many_vertices(row, curve, closed):
+    rival = row.function(curve, closed=closed, params=None)
+    if len(rival) < 2:  # a closed curve that is one point
+        return
+    error = measure_polygon(curve, rival, closed=closed)
+    for measure, name in (("ise", "ise"), ("max_deviation", "max_deviation")):
+        best = optimal(curve, closed=closed, params=OptimalParams(len(rival), measure=measure))
+        least = getattr(measure_polygon(curve, best, closed=closed), name)
+        assert least <= getattr(error, name) * (1 + 1e-6) + 1e-6
+        assert len(best) <= len(rival)
+
+
 def zigzag(count):
     k = np.arange(count)
     return np.stack([k, k % 2 * np.minimum(k, 40)], axis=1).astype(float)
@@ -180,7 +245,7 @@ def wave(count):
 @ROWS
 @pytest.mark.parametrize("curve", [zigzag, wave])
 def test_long_curves_are_no_recursion(row, curve):
-    count = 20_000 if row.name in SLOW else 100_000
+    count = LENGTHS.get(row.name, 100_000)
     indices = row.function(curve(count), closed=False, params=None)
     assert indices[0] == 0 and indices[-1] == count - 1
     assert (np.diff(indices) > 0).all()
