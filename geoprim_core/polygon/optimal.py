@@ -44,9 +44,15 @@ MEASURES = ("ise", "absolute", "max_deviation")
 class OptimalParams(Params):
     """Parameters of the optimal polygon."""
 
-    points: int = option(0, "number of vertices; 0: as few as the tolerance allows", low=0)
+    points: int = option(
+        0, "number of vertices; 0: as few as the tolerance allows", low=0, high=1000000
+    )
     tolerance: float = option(
-        1.0, "largest error of the polygon, where the number is 0 (ise: px^2)", unit="px", low=0.0
+        1.0,
+        "largest error of the polygon, where the number is 0 (ise: px^2)",
+        unit="px",
+        low=0.0,
+        high=1e9,
     )
     measure: str = option(
         "max_deviation",
