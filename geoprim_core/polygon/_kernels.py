@@ -11,6 +11,7 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import kernel
+from geoprim_core.digital._kernels_bounds import exact_slope_bound_of
 
 
 @kernel
@@ -62,12 +63,9 @@ def slope_bound_of(rule: int, dx: float, dy: float) -> float:
     if rule == 2:
         return math.atan(_released(length) / length)
     total = (abs(dx) + abs(dy)) / length
-    gap = abs(abs(dx) - abs(dy)) / length
     if rule == 0:
         return math.atan(total / length * _series(total, length))
-    if length <= total:
-        return 0.5 * math.pi
-    return max(math.atan(total / (length - gap)), math.atan(gap / (length - total)))
+    return exact_slope_bound_of(dx, dy)
 
 
 @kernel
