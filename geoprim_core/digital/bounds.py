@@ -37,7 +37,7 @@ def exact_slope_bounds(chords: npt.ArrayLike) -> FloatArray:
 
     Examples
     --------
-    >>> exact_slope_bounds([(10, 0), (1, 1)]).round(4).tolist()  # atan(1 / 9), a right angle
+    >>> exact_slope_bounds([(10, 0), (1, 0)]).round(4).tolist()  # atan(1 / 9), a right angle
     [0.1107, 1.5708]
     """
     bounds: FloatArray = exact_slope_bounds_of(_check.points(chords, "chords"))

@@ -252,12 +252,14 @@ def _places(eccentricity: float, latus: float, count: int) -> FloatArray:
     """Return polar angles at which the conic is nearer to the focus than `_FARTHEST`."""
     edge = (1.0 - latus / _FARTHEST) / eccentricity if eccentricity > 0.0 else 1.0
     start = np.arccos(min(edge, 1.0)) if edge > -1.0 else np.pi
-    return start + (np.arange(count) + 0.5) * (2.0 * (np.pi - start) / count)
+    step = 2.0 * (np.pi - start) / count
+    return np.asarray(start + (np.arange(count) + 0.5) * step, np.float64)
 
 
 def _tangent(eccentricity: float, latus: float, theta: FloatArray) -> FloatArray:
     """Return the direction of travel at polar angles that grow; slope (3-21)."""
-    return np.asarray(np.arctan2(eccentricity - np.cos(theta), np.sin(theta)) + np.pi)
+    slope = np.arctan2(eccentricity - np.cos(theta), np.sin(theta))
+    return np.asarray(slope + np.pi, np.float64)
 
 
 def line_angle(chord: FloatArray, angle: FloatArray) -> FloatArray:

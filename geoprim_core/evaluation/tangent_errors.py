@@ -157,7 +157,7 @@ def pooled(rows: Iterable[Row], family: str) -> dict[str, Row]:
     --------
     >>> two = [Row("flower", n, "a", n, 2 * n, 3 * n, 1.0) for n in (1, 3)]
     >>> pooled(two, "flower")["a"].mean, pooled(two, "flower")["a"].worst
-    (2.0, 9)
+    (2.0, 9.0)
     """
     parts: dict[str, list[Row]] = {}
     for row in rows:

@@ -61,11 +61,13 @@ def digitise(curve: Curve, derivative: Curve) -> DigitisedCurve:
     --------
     >>> curve = lambda t: 9.0 * np.stack([np.cos(t), np.sin(t)], axis=1)
     >>> found = digitise(curve, lambda t: curve(t + np.pi / 2))
-    >>> found.points[0].tolist(), round(float(found.tangent[0]), 6)
+    >>> found.points[-1].tolist(), round(float(found.tangent[-1]), 6)
     ([9.0, 0.0], 1.570796)
     """
     t = _samples(curve, derivative)
-    pixels, crossing = _crossings(t, curve(t))
+    points = curve(t)
+    points[-1] = points[0]  # a period on, up to rounding: no crossing may be lost at the seam
+    pixels, crossing = _crossings(t, points)
     nearest = _nearest(curve, derivative, pixels, crossing)
     dx, dy = derivative(nearest).T
     return DigitisedCurve(pixels, np.arctan2(dy, dx), nearest % (2.0 * np.pi))

@@ -126,8 +126,8 @@ def conic_curvature(
 
     Examples
     --------
-    >>> [v.tolist() for v in conic_curvature(0.0, 50.0, [1.0])]
-    [[0.02], [0.0]]
+    >>> float(conic_curvature(0.0, 50.0, [1.0])[0][0])
+    0.02
     """
     t, e = np.asarray(theta, np.float64), eccentricity
     u, w = 1.0 - e * np.cos(t), 1.0 + e * e - 2.0 * e * np.cos(t)
