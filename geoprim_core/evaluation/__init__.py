@@ -12,6 +12,16 @@ from geoprim_core.evaluation.calibration import (
 from geoprim_core.evaluation.coverage import Coverage, CoverageRow, measure_coverage
 from geoprim_core.evaluation.ground_truth import GroundTruth, load_ground_truth
 from geoprim_core.evaluation.matching import UNMATCHED, Matching, match_ellipses
+from geoprim_core.evaluation.polygon import (
+    CurveMetrics,
+    MeanMetrics,
+    RelativeMetrics,
+    image_metrics,
+    measure_image,
+    measure_polygon,
+    relative_metrics,
+    set_metrics,
+)
 from geoprim_core.evaluation.report import POOLED, ImageScore, Report, ReportRow
 from geoprim_core.evaluation.runs import OVERLAPS, evaluate_images, score_sequence
 from geoprim_core.evaluation.score import Score, pool
@@ -22,9 +32,12 @@ __all__ = [
     "UNMATCHED",
     "Coverage",
     "CoverageRow",
+    "CurveMetrics",
     "GroundTruth",
     "ImageScore",
     "Matching",
+    "MeanMetrics",
+    "RelativeMetrics",
     "Reliability",
     "Report",
     "ReportRow",
@@ -34,11 +47,16 @@ __all__ = [
     "cross_scores",
     "evaluate_images",
     "fit_score",
+    "image_metrics",
     "load_ground_truth",
     "match_ellipses",
     "measure_coverage",
+    "measure_image",
+    "measure_polygon",
     "measure_reliability",
     "pool",
+    "relative_metrics",
     "reliability_table",
     "score_sequence",
+    "set_metrics",
 ]

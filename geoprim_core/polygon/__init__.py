@@ -11,16 +11,22 @@ from geoprim_core._check import IntArray, describe
 from geoprim_core.errors import InputError
 from geoprim_core.methods import Method, Table
 from geoprim_core.params import Params, as_params
+from geoprim_core.polygon.blurred_segments import BlurredSegmentsParams, blurred_segments
 from geoprim_core.polygon.bounds import deviation_bound, slope_bound
+from geoprim_core.polygon.optimal import OptimalParams, optimal
 from geoprim_core.polygon.rdp_mod import RdpModParams, farthest_pair, rdp_mod, rdp_mod_batch
 from geoprim_core.types import Contours, Polygons
 
 __all__ = [
     "TABLE",
+    "BlurredSegmentsParams",
+    "OptimalParams",
     "RdpModParams",
     "approximate",
+    "blurred_segments",
     "deviation_bound",
     "farthest_pair",
+    "optimal",
     "rdp_mod",
     "slope_bound",
 ]
@@ -32,6 +38,18 @@ TABLE = Table(
         rdp_mod,
         RdpModParams,
         "Prasad, Leung, Quek and Cho, Image and Vision Computing 30, 2012; thesis 2.5.1.2",
+    ),
+    Method(
+        "optimal",
+        optimal,
+        OptimalParams,
+        "Perez and Vidal, Pattern Recognition Letters 15, 1994; thesis 2.6.1",
+    ),
+    Method(
+        "blurred_segments",
+        blurred_segments,
+        BlurredSegmentsParams,
+        "Nguyen and Debled-Rennesson, Pattern Recognition 44, 2011; thesis 2.6.7",
     ),
 )
 

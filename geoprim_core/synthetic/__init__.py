@@ -4,8 +4,17 @@ Every function is deterministic: the same arguments, seed included, give the sam
 """
 
 from geoprim_core.synthetic.assorted import assorted_scenes
+from geoprim_core.synthetic.boundaries import (
+    SILHOUETTES,
+    fill_boundary,
+    scaled_curve,
+    silhouette,
+    trace_boundary,
+)
 from geoprim_core.synthetic.circles import ARRANGEMENTS, circles_image
+from geoprim_core.synthetic.degradation import KanungoParams, degrade_curve, degrade_mask
 from geoprim_core.synthetic.discs import TARGETS, disc_scene, project_circle
+from geoprim_core.synthetic.formula_curves import FORMULA_CURVES, formula_curve
 from geoprim_core.synthetic.scene import Scene
 from geoprim_core.synthetic.shapes import (
     disc_image,
@@ -23,25 +32,35 @@ from geoprim_core.synthetic.variants import degraded, rotated
 __all__ = [
     "ALPHAS",
     "ARRANGEMENTS",
+    "FORMULA_CURVES",
+    "SILHOUETTES",
     "SORTING_LINES",
     "TARGETS",
+    "KanungoParams",
     "Scene",
     "SingleEllipse",
     "SortingLine",
     "SortingObject",
     "assorted_scenes",
     "circles_image",
+    "degrade_curve",
+    "degrade_mask",
     "degraded",
     "disc_image",
     "disc_scene",
     "ellipse_image",
+    "fill_boundary",
+    "formula_curve",
     "project_circle",
     "render_ellipses",
     "render_parity",
     "rotated",
+    "scaled_curve",
+    "silhouette",
     "single_ellipses",
     "sorting_sequence",
     "thesis_image",
     "thesis_set",
+    "trace_boundary",
     "visible_shares",
 ]

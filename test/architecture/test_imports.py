@@ -7,11 +7,13 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 CORE = ROOT / "geoprim_core"
-FOUNDATIONS = {"types", "params", "methods", "errors", "_check", "_jit", "__init__"}
+# digital: straight segments, on which methods of the rooms polygon and tangent both stand.
+FOUNDATIONS = {"types", "params", "methods", "errors", "digital", "_check", "_jit", "__init__"}
 METHOD_ROOMS = {"edges", "polygon", "tangent", "fitting"}
 
 # Room -> rooms it may import, beside itself and the foundations.
 ALLOWED = {
+    "digital": set(),
     "edges": set(),
     "polygon": set(),
     "tangent": set(),

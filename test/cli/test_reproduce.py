@@ -1,0 +1,30 @@
+"""`geoprim reproduce polygon`: claims printed, report, rows and figures written."""
+
+import csv
+
+from geoprim_core.cli.main import main
+from geoprim_core.io.images import write_image
+from geoprim_core.synthetic import disc_image
+
+
+def test_a_folder_of_chain_codes_rows_and_images_is_rerun(tmp_path, capsys):
+    data = tmp_path / "data"
+    square = "0" * 20 + "6" * 20 + "4" * 20 + "2" * 20
+    write_image(data / "disc.png", disc_image(80, 70, centre=(40, 35), radius=20))
+    (data / "codes.json").write_text(f'{{"Square": {{"start": [3, 4], "code": "{square}"}}}}')
+    (data / "rows.csv").write_text("shape,method,param,M,N,MD,ISE\nsquare,RDP,mod,80,4,0.5,1\n")
+    words = ["reproduce", "polygon", data, "--output", tmp_path / "out", "--quiet"]
+    assert main([str(word) for word in words]) == 0
+    assert "2.5.1.3" in capsys.readouterr().out
+    report = (tmp_path / "out" / "report.md").read_text()
+    assert "| RDP(mod) | 1 | 4.0 / 4.0 | 0.0 | 0.50 | 100 % | 1 |" in report
+    assert "## Table 2.7-9" in report
+    with (tmp_path / "out" / "rows.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["curve"] == "Square"]
+    assert {row["divisor"] for row in rows} == {"1", "2", "3", "4", "5"}
+    assert (tmp_path / "out" / "polygons_rdp_mod.png").stat().st_size > 1000
+
+
+def test_a_folder_that_is_not_there_is_one_line(tmp_path, capsys):
+    assert main(["reproduce", "polygon", str(tmp_path / "nowhere")]) == 2
+    assert "no such folder" in capsys.readouterr().err
