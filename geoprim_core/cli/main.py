@@ -27,6 +27,7 @@ COMMANDS = {
     "bench scaling": "measure how the time grows with the image and with the number of arcs",
     "calibrate": "check by simulation that scores are probabilities and that covariances hold",
     "reproduce polygon": "rerun the experiments of thesis chapter 2: tables, figures, claims",
+    "reproduce tangent": "rerun the experiments of thesis chapter 3 with every tangent estimator",
     "warm": "compile the numeric kernels ahead of time",
 }
 

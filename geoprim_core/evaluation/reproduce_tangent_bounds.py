@@ -9,8 +9,8 @@ import numpy as np
 
 from geoprim_core._check import FloatArray
 from geoprim_core.digital import exact_slope_bounds
-from geoprim_core.ecc.centres import three_point_centre
 from geoprim_core.polygon import slope_bound
+from geoprim_core.tangent import three_point_centre
 from geoprim_core.tangent.bounds import (
     analytic_bound,
     conic_analytic_error,

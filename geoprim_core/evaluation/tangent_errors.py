@@ -85,7 +85,9 @@ def with_control(method: str, value: float) -> Entrant:
     >>> with_control("deb", 10).label
     'deb(10)'
     """
-    return Entrant(f"{method}({value:g})", method, ((str(control_of(method)), value),))
+    name = str(control_of(method))
+    exact = round(value) if name == "half_window" else float(value)
+    return Entrant(f"{method}({value:g})", method, ((name, exact),))
 
 
 def family_curves(
