@@ -64,17 +64,30 @@ def representatives(rows: Iterable[Row], family: str) -> list[str]:
     return always + list(best.values())[:_LINES]
 
 
-def _style(label: str, place: int) -> dict[str, Any]:
+_COLOURS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C8", "C9", "navy", "tan")
+_DEB = {THESIS: "-", "deb": "-", "deb(auto)": ":", "deb(R = rho/2)": "--", "deb(R = 10)": "-."}
+
+
+def _styles(labels: Iterable[str]) -> dict[str, dict[str, Any]]:
     """Return black lines for DEB, grey ones for maximal segments, colours for the others."""
-    dashes = {"deb": ("-", "--", ":", "-."), "lambda": ("-", "--")}
-    for start, colour in (("deb", "black"), ("lambda", "0.55")):
-        if label.startswith(start):
-            return {
-                "color": colour,
-                "linestyle": dashes[start][place % len(dashes[start])],
-                "linewidth": 2.0 if label == THESIS else 1.4,
-            }
-    return {"color": f"C{place % 10}", "linewidth": 1.1}
+    colours = iter(_COLOURS)
+    found: dict[str, dict[str, Any]] = {}
+    for label in labels:
+        if label.startswith("deb"):
+            line = _DEB.get(label, "-" if "2/3" in label else "--")
+            found[label] = {"color": "black", "linestyle": line}
+        elif label.startswith("lambda"):
+            found[label] = {"color": "0.55", "linestyle": "--" if label == "lambda_msg" else "-"}
+        else:
+            found[label] = {"color": next(colours, "0.8")}
+        found[label]["linewidth"] = 2.2 if label == THESIS else 1.3
+    return found
+
+
+def _plain_numbers(axis: Any) -> None:
+    """Write the numbers of a logarithmic axis without powers, the big steps only."""
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter("")
 
 
 def plot_sensitivity(results: Results) -> Any:
@@ -130,6 +143,7 @@ def plot_bounds(results: Results, radius: float = 10.0) -> Any:
             axes.plot([r.value for r in rows], shown, color=colour, linestyle=line, label=label)
         axes.set(xscale="log", yscale="log", xlabel=name, title=f"{family}, R = {radius:g}")
         axes.set_ylim(1e-6, 20.0)
+        _plain_numbers(axes.xaxis)
         axes.grid(alpha=0.3)
     figure.axes[0].set_ylabel("degrees")
     figure.axes[0].legend(fontsize=8)
@@ -150,11 +164,13 @@ def plot_sweep(results: Results) -> Any:
         for row in results.sweep:
             if row.family == f"sweep {family}":
                 means.setdefault(row.label, []).append(row.mean)
-        for place, method in enumerate(dict.fromkeys(label.split("(")[0] for label in means)):
+        methods = dict.fromkeys(label.split("(")[0] for label in means)
+        for method, style in _styles(methods).items():
             known = [v for v in CONTROL_VALUES if f"{method}({v})" in means]
             values = [np.mean(means[f"{method}({v})"]) for v in known]
-            axes.plot(known, values, label=method, **_style(method, place))
+            axes.plot(known, values, label=method, **style)
         axes.set(xlabel="R or Q in px", title=family, yscale="log")
+        _plain_numbers(axes.yaxis)
         axes.grid(alpha=0.3, which="both")
     figure.axes[0].set_ylabel("mean error in degrees")
     if results.sweep:
@@ -180,6 +196,7 @@ def plot_ranking(results: Results) -> Any:
         for text in axes.get_yticklabels():
             text.set_color("tab:red" if text.get_text().startswith("deb") else "black")
         axes.set(xscale="log", xlabel="error in degrees", title=family)
+        _plain_numbers(axes.xaxis)
         axes.set_ylim(len(rows), -1)
         axes.grid(alpha=0.3)
     figure.axes[0].legend(fontsize=8)
@@ -197,11 +214,12 @@ def plot_settings(results: Results, family: str, name: str) -> Any:
     figure = _figure(11.0, 4.6)
     labels = representatives(results.rows, family)
     for axes, field in zip(figure.subplots(1, 2), ("mean", "maximum"), strict=True):
-        for place, label in enumerate(labels):
+        for label, style in _styles(labels).items():
             rows = [r for r in results.rows if r.family == family and r.label == label]
             values = [getattr(row, field) for row in rows]
-            axes.plot([row.setting for row in rows], values, label=label, **_style(label, place))
+            axes.plot([row.setting for row in rows], values, label=label, **style)
         axes.set(xlabel=name, ylabel="degrees", title=f"{family}: {field} error", yscale="log")
+        _plain_numbers(axes.yaxis)
         axes.grid(alpha=0.3, which="both")
     if labels:
         figure.axes[1].legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
@@ -220,13 +238,14 @@ def plot_convergence(results: Results) -> Any:
     found = orders(results)
     for axes, family in zip(figure.subplots(1, 3), SETTINGS, strict=True):
         finest = [r for r in results.grid if r.family == f"grid {family}"]
-        for place, label in enumerate(representatives(finest, f"grid {family}")):
+        for label, style in _styles(representatives(finest, f"grid {family}")).items():
             rows = [r for r in finest if r.label == label]
             steps = [1.0 / row.setting for row in rows]
             text = f"{label}: {found.get(label, {}).get(family, float('nan')):.2f}"
-            style = _style(label, place)
             axes.plot(steps, [r.mean for r in rows], marker=".", label=text, **style)
         axes.set(xscale="log", yscale="log", xlabel="grid step h", title=f"{family}: error, order")
+        _plain_numbers(axes.xaxis)
+        _plain_numbers(axes.yaxis)
         axes.grid(alpha=0.3, which="both")
         if finest:
             axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)
@@ -244,11 +263,12 @@ def plot_isotropy(results: Results) -> Any:
     """
     figure = _figure(7.5, 5.6)
     axes = figure.add_subplot(projection="polar")
-    for place, label in enumerate(representatives(results.rows, "circle")):
+    shown = [n for n in representatives(results.rows, "circle")[:9] if n != "lambda_msg"]
+    for label, style in _styles(shown).items():
         errors = results.directions.get(label)
         if errors is not None:
             middle = (np.arange(len(errors) + 1) + 0.5) * (2.0 * np.pi / len(errors))
-            axes.plot(middle, np.append(errors, errors[0]), label=label, **_style(label, place))
+            axes.plot(middle, np.append(errors, errors[0]), label=label, **style)
     axes.set_title("mean error in degrees on circles, by direction of the tangent", fontsize=9)
     if results.directions:
         axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.1, 0.5))
