@@ -13,7 +13,10 @@ import shlex
 import subprocess
 import sys
 from collections.abc import Callable, Iterable
+from itertools import chain, groupby
 from pathlib import Path
+
+_MANY = 20  # so many rows or choices are told by the first and the last
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
@@ -43,7 +46,24 @@ def methods() -> str:
         for family, table in families.items()
         for row in table
     ]
-    return table_of(("family", "name", "function", "parameters", "source"), rows)
+    head = ("family", "name", "function", "parameters", "source")
+    return table_of(head, chain.from_iterable(_as_one(a) for _, a in groupby(rows, key=_kind)))
+
+
+def _kind(row: tuple[str, ...]) -> tuple[str, ...]:
+    """Return what rows of methods made in one go have in common: all but the name."""
+    family, _, function, params, source = row
+    return family, function.rpartition(".")[0], params, source
+
+
+def _as_one(alike: Iterable[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Return one row for the methods made in one go, as the hybrid ones are; few stay apart."""
+    rows = list(alike)
+    if len(rows) < _MANY:
+        return rows
+    family, name, function, params, source = rows[0]
+    names = f"{name} .. {rows[-1][1]} ({len(rows)})"
+    return [(family, names, f"{function} ..", params, source)]
 
 
 def _path(function: Callable[..., object]) -> str:
@@ -58,6 +78,8 @@ def parameters() -> str:
     for o in DetectorParams.options():
         if o.choices:
             values = ", ".join(o.choices)
+            if len(o.choices) >= _MANY:
+                values = f"{', '.join(o.choices[:3])} .. {o.choices[-1]} ({len(o.choices)} names)"
         elif o.kind is bool:
             values = "true, false"
         else:

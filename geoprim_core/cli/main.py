@@ -30,6 +30,7 @@ COMMANDS = {
     "bench polygon": "time the polygon methods beside shapely and OpenCV",
     "calibrate": "check by simulation that scores are probabilities and that covariances hold",
     "reproduce polygon": "rerun the experiments of thesis chapter 2: tables, figures, claims",
+    "reproduce tangent": "rerun the experiments of thesis chapter 3 with every tangent estimator",
     "polygons": "approximate the edge contours of an image by polygons, draw them",
     "warm": "compile the numeric kernels ahead of time",
 }

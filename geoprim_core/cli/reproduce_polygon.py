@@ -12,6 +12,7 @@ from tqdm import tqdm
 from geoprim_core._check import AnyArray, FloatArray
 from geoprim_core.cli.benchmark_images import save, write_files
 from geoprim_core.errors import FileError
+from geoprim_core.evaluation.claims import claim_text
 from geoprim_core.evaluation.reproduce_polygon import (
     PROPOSED,
     VARIANTS,
@@ -63,8 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
     claims = check_claims(rows)
     report = report_markdown(rows, claims, duality_rows(), sets, published)
     for claim in claims:
-        verdict = {True: "reproduced", False: "NOT reproduced", None: "not tried"}[claim.holds]
-        print(f"{claim.section:8} {verdict:15} {claim.text}: {claim.figures}")
+        print(claim_text(claim))
     missing = sorted({v.method for v in VARIANTS} - {v.method for v in available()})
     if missing:
         print("methods that this version lacks: " + ", ".join(missing))

@@ -105,7 +105,8 @@ def maximal_segments(
         raise ParameterError("connectivity", "8 or 4", _check.describe(connectivity))
     count = len(pixels)
     if count <= 1:
-        return _in_order(np.array([[0, 0, 0, 0, 0, 1, 0, 0, 0, 0]] * count).reshape(count, 10), 1)
+        single = np.array([[0, 0, 0, 0, 0, 1, 0, 0, 0, 0]], np.int64)
+        return _in_order(np.repeat(single, count, axis=0), 1)
     x, y, codes, wrong = freeman_codes(pixels, bool(closed), connectivity == 8)
     if wrong >= 0:
         expected = f"whole numbers, each pixel one of the {connectivity} neighbours of the last"

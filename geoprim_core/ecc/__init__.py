@@ -5,7 +5,6 @@ schemes; each runs as `detect_ellipses(image, DetectorParams.for_scheme(name))`.
 """
 
 from geoprim_core.ecc.arcs import Arcs, split_arcs
-from geoprim_core.ecc.centres import three_point_centre
 from geoprim_core.ecc.detector import (
     DetectionTrace,
     detect_ellipses,
@@ -18,6 +17,7 @@ from geoprim_core.ecc.params import DetectorParams, EccParams
 from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.ecc.smooth_params import SmoothParams
 from geoprim_core.methods import Method, Table
+from geoprim_core.tangent import three_point_centre
 
 _THESIS = "Prasad, Leung and Cho, Pattern Recognition 45, 2012; thesis 5.6.3, scheme"
 

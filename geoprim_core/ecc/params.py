@@ -12,6 +12,7 @@ from geoprim_core.errors import ParameterError
 from geoprim_core.params import Params, group, option
 from geoprim_core.polygon import TABLE as POLYGON_TABLE
 from geoprim_core.polygon import PolygonParams
+from geoprim_core.tangent import TABLE as TANGENT_TABLE
 from geoprim_core.tangent import DebParams
 
 SCHEMES = ("refined", "1", "2", "3")
@@ -23,6 +24,9 @@ class EccParams(Params):
 
     scheme: str = option("refined", "how arcs become ellipses", choices=SCHEMES)
     smooth: SmoothParams = group(SmoothParams)
+    tangent_method: str = option(
+        "deb", "tangents of the arcs (schemes 1, 2 and 3)", choices=TANGENT_TABLE.names
+    )
     tangent: DebParams = group(DebParams)
     grouping: GroupingParams = group(GroupingParams)
     saliency: SaliencyParams = group(SaliencyParams)

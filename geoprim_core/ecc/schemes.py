@@ -74,7 +74,7 @@ def trace_scheme(contours: Contours, polygons: Polygons, params: EccParams) -> S
     """
     every = split_arcs(contours, polygons, params.smooth)
     arcs = longest_arcs(every, params.grouping.max_arcs)
-    tangents = arc_tangents(arcs, params.tangent)
+    tangents = arc_tangents(arcs, params.tangent, params.tangent_method)
     centres = find_centres(arcs, tangents, params.grouping)
     votes = cast_votes(arcs, centres, params.scheme, params.grouping)
     regions, inside, eligible = None, None, None

@@ -35,13 +35,15 @@ class ArcTangents:
         return np.asarray(np.isfinite(self.ends).all(axis=1))
 
 
-def arc_tangents(arcs: Arcs, params: DebParams | None = None) -> ArcTangents:
-    """Estimate the tangents of every arc with DEB and carry them over to its ends.
+def arc_tangents(arcs: Arcs, params: DebParams | None = None, method: str = "deb") -> ArcTangents:
+    """Estimate the tangents of every arc and carry them over to its ends.
+
+    The parameters are those of `deb`; other methods run with their own defaults.
 
     References
     ----------
     Thesis 5.4.1.1 (DEB with R = 4); errata C5 (there is no pixel beyond the end pixel).
     """
     curves = Contours(arcs.points, arcs.offsets, arcs.closed)
-    angle = estimate_tangents(curves, method="deb", params=params).angle
+    angle = estimate_tangents(curves, method, params if method == "deb" else None).angle
     return ArcTangents(angle, kernels.end_directions(angle, arcs.offsets))

@@ -3,24 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from geoprim_core.evaluation.claims import Claim
+from geoprim_core.evaluation.claims import make_claim as _claim
 from geoprim_core.evaluation.reproduce_polygon import PROPOSED, Row
-
-
-@dataclass(frozen=True, slots=True)
-class Claim:
-    """A claim, where it stands, whether the rerun bears it out, and the figures.
-
-    `holds` is None where the methods or curves for it are not there.
-    """
-
-    section: str
-    text: str
-    holds: bool | None
-    figures: str
 
 
 def check_claims(rows: Sequence[Row]) -> list[Claim]:
@@ -57,10 +45,6 @@ def _means(
         if row.label == label and all(getattr(row, key) in value for key, value in wanted.items()):
             values.setdefault(row.curve, []).append(float(getattr(row.metrics, name)))
     return {curve: float(np.mean(each)) for curve, each in values.items()}
-
-
-def _claim(section: str, text: str, holds: bool, figures: Sequence[str]) -> Claim:
-    return Claim(section, text, holds if figures else None, "; ".join(figures) or "no rows")
 
 
 def _pro_follows_its_tolerance(rows: Sequence[Row]) -> Claim:

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from geoprim_core.evaluation.claims import Claim, claim_lines, grid_lines
 from geoprim_core.evaluation.reproduce_polygon import COLUMNS, Row, SetRow, available
-from geoprim_core.evaluation.reproduce_polygon_claims import Claim
 
 _HEADS = ("M", "N", "MD", "ISE", "FOM", "precision", "reliability", "CR")
 _TITLES = {
@@ -59,7 +59,7 @@ def report_markdown(
     """
     lines = ["# Polygonal approximation: chapter 2 rerun", ""]
     lines += ["Methods: " + ", ".join(variant.label for variant in available()) + ".", ""]
-    lines += _claim_lines(claims)
+    lines += claim_lines(claims)
     if published:
         lines += _published_lines(rows, published)
     lines += _duality_lines(duality)
@@ -69,22 +69,10 @@ def report_markdown(
     return "\n".join(lines) + "\n"
 
 
-def _grid(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> list[str]:
-    """Return a Markdown table and an empty line."""
-    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
-    return [*lines, *("| " + " | ".join(map(str, row)) + " |" for row in rows), ""]
-
-
-def _claim_lines(claims: Sequence[Claim]) -> list[str]:
-    words = {True: "reproduced", False: "not reproduced", None: "not tried"}
-    rows = [(c.section, c.text, words[c.holds], c.figures) for c in claims]
-    return ["## Claims", "", *_grid(("section", "claim", "result", "figures"), rows)]
-
-
 def _duality_lines(duality: Sequence[tuple[str, int, float, float]]) -> list[str]:
     rows = [(name, count, f"{p:.3f}", f"{r:.3f}") for name, count, p, r in duality]
     heads = ("curve", "pixels", "precision", "reliability")
-    return ["## Table 2.2-1: lines fitted to short curves", "", *_grid(heads, rows)]
+    return ["## Table 2.2-1: lines fitted to short curves", "", *grid_lines(heads, rows)]
 
 
 def _table_lines(table: str, rows: Sequence[Row]) -> list[str]:
@@ -94,7 +82,7 @@ def _table_lines(table: str, rows: Sequence[Row]) -> list[str]:
         values = [getattr(row.metrics, name) for name in COLUMNS]
         shown = [f"{v}" if isinstance(v, int) else f"{v:.2f}" for v in values]
         cells.append((row.curve, row.label, f"1/{row.divisor}", row.noise or "", *shown))
-    return [f"## Table {table}: {_TITLES.get(table, '')}", "", *_grid(heads, cells)]
+    return [f"## Table {table}: {_TITLES.get(table, '')}", "", *grid_lines(heads, cells)]
 
 
 def _image_lines(images: Sequence[SetRow]) -> list[str]:
@@ -107,7 +95,7 @@ def _image_lines(images: Sequence[SetRow]) -> list[str]:
         for row in images
     ]
     heads = ("method", "images", "precision", "reliability", "CR", "MD", "ISE", "FOM")
-    return ["## Table 2.7-9: edge contours of images", "", *_grid(heads, rows)]
+    return ["## Table 2.7-9: edge contours of images", "", *grid_lines(heads, rows)]
 
 
 def _published_lines(rows: Sequence[Row], published: Sequence[Mapping[str, str]]) -> list[str]:
@@ -136,7 +124,7 @@ def _published_lines(rows: Sequence[Row], published: Sequence[Mapping[str, str]]
         )
     heads = ["method", "curves", "mean N ours / printed", "N off by (mean)", "MD off by (mean)"]
     heads += ["ISE off by (median)", "same N"]
-    return ["## Distance to the published rows", "", *_grid(heads, cells)]
+    return ["## Distance to the published rows", "", *grid_lines(heads, cells)]
 
 
 def _pairs(

@@ -11,6 +11,7 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
+from geoprim_core.digital._kernels_bounds import exact_slope_bound_of
 
 
 @kernel
@@ -72,12 +73,9 @@ def slope_bound_of(rule: int, dx: float, dy: float) -> float:
     if rule == 5:
         return math.asin(min(math.sqrt(2.0) / length, 1.0))
     total = (abs(dx) + abs(dy)) / length
-    gap = abs(abs(dx) - abs(dy)) / length
     if rule == 0:
         return math.atan(total / length * _series(total, length))
-    if length <= total:
-        return 0.5 * math.pi
-    return max(math.atan(total / (length - gap)), math.atan(gap / (length - total)))
+    return exact_slope_bound_of(dx, dy)
 
 
 @kernel

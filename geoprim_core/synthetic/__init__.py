@@ -13,6 +13,14 @@ from geoprim_core.synthetic.boundaries import (
 )
 from geoprim_core.synthetic.circles import ARRANGEMENTS, circles_image
 from geoprim_core.synthetic.degradation import KanungoParams, degrade_curve, degrade_mask
+from geoprim_core.synthetic.digitised import (
+    DigitisedCurve,
+    as_contours,
+    digital_circle,
+    digital_ellipse,
+    digitise,
+    flower_curve,
+)
 from geoprim_core.synthetic.discs import TARGETS, disc_scene, project_circle
 from geoprim_core.synthetic.formula_curves import FORMULA_CURVES, formula_curve
 from geoprim_core.synthetic.scene import Scene
@@ -36,20 +44,26 @@ __all__ = [
     "SILHOUETTES",
     "SORTING_LINES",
     "TARGETS",
+    "DigitisedCurve",
     "KanungoParams",
     "Scene",
     "SingleEllipse",
     "SortingLine",
     "SortingObject",
+    "as_contours",
     "assorted_scenes",
     "circles_image",
     "degrade_curve",
     "degrade_mask",
     "degraded",
+    "digital_circle",
+    "digital_ellipse",
+    "digitise",
     "disc_image",
     "disc_scene",
     "ellipse_image",
     "fill_boundary",
+    "flower_curve",
     "formula_curve",
     "project_circle",
     "render_ellipses",

@@ -10,16 +10,30 @@ import numpy.typing as npt
 from geoprim_core import _check
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core.params import Params, as_params, option
-from geoprim_core.tangent._kernels import deb_of
+from geoprim_core.tangent._kernels_deb import deb_chords, deb_curvature
+from geoprim_core.tangent.pencils import pencils_of
 
 
 @dataclass(frozen=True)
 class DebParams(Params):
     """Parameters of DEB."""
 
-    radius: float = option(
-        4.0, "radius of the circle around the pixel", unit="px", low=1.0, high=1000.0
+    radius_rule: str = option(
+        "fixed",
+        "R: the radius given, (3-32) for the smallest circle, or automatic at every pixel",
+        choices=("fixed", "smallest_circle", "auto"),
     )
+    radius: float = option(
+        4.0, "radius of the circle around the pixel (rule fixed)", unit="px", low=1.0, high=1000.0
+    )
+    smallest_circle: float = option(
+        8.0, "rho_min: radius of the smallest circle expected (rule smallest_circle)", unit="px",
+        low=1.0, high=100000.0,
+    )  # fmt: skip
+    tolerance: float = option(
+        0.5, "D_tol: R is at most this share of the radius of curvature (the other two rules)",
+        low=0.01, high=1.0,
+    )  # fmt: skip
 
 
 def deb(
@@ -47,13 +61,14 @@ def deb(
     Raises
     ------
     InputError
-        The points are not a finite (n, 2) array.
+        The points are not a finite (n, 2) array; with the automatic radius also if they are not
+        whole numbers or a step is longer than 1000 px.
 
     References
     ----------
     D. K. Prasad, M. K. H. Leung, C. Quek and M. S. Brown, "DEB: definite error bounded tangent
     estimator for digital curves", IEEE Transactions on Image Processing 23, 2014; thesis
-    3.3.1, Figure 3.3-1 with its loop condition inverted: errata T1.
+    3.3.1, Figure 3.3-1 with its loop condition inverted: errata T1. Radius: `radii_of`.
 
     Examples
     --------
@@ -82,5 +97,75 @@ def deb_batch(
     >>> float(deb_batch(line, np.array([0, 7]), np.array([False]), DebParams(radius=2.0))[3])
     0.0
     """
-    angle: FloatArray = deb_of(points, offsets, closed, params.radius)
+    curves = zip(offsets, offsets[1:], closed, strict=False)
+    radii = fixed_radius(params)
+    if params.radius_rule == "auto":
+        parts = [radii_of(points[a:b], params, closed=bool(flag)) for a, b, flag in curves]
+        radii = np.concatenate([np.zeros(0), *parts])
+    chords = deb_chords(points, offsets, closed, radii)
+    angle: FloatArray = np.arctan2(chords[:, 1], chords[:, 0])  # all at once: numpy's is quicker
     return angle
+
+
+def deb_bends(points: npt.ArrayLike, closed: bool, params: DebParams | None) -> FloatArray:
+    """Return the curvatures (n,) of the circles through P1, the pixel and P2."""
+    checked: DebParams = as_params(params, DebParams)
+    curve = _check.points(points)
+    bends: FloatArray = deb_curvature(curve, bool(closed), radii_of(curve, checked, closed=closed))
+    return bends
+
+
+def fixed_radius(params: DebParams) -> FloatArray:
+    """Return the one radius (1,) of the rules that need no look at the curve."""
+    smallest = params.radius_rule == "smallest_circle"
+    return np.array([params.tolerance * params.smallest_circle if smallest else params.radius])
+
+
+def radii_of(points: npt.ArrayLike, params: DebParams, *, closed: bool = False) -> FloatArray:
+    """Choose the radius of DEB: (1,) for the rules that give one, (n,) for the automatic one.
+
+    A longer chord has a smaller digital error, of about 1 / R, and a larger analytical one,
+    |d kappa / ds| R^2 / 6 (errata T2). With d kappa / ds of about 1 / rho^2, which an ellipse of
+    aspect 2 reaches, the sum is least for R^3 = 3 rho^2. The radius of curvature rho comes from
+    the maximal segments at the pixel: of L pixels, one pixel high, they fit a circle of
+    rho = L^2 / 8. R stays below the tolerance times rho, as in (3-32), and above 2.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+        Pixels of the curve in order.
+    params : DebParams
+    closed : bool
+        Whether the last pixel touches the first.
+
+    Returns
+    -------
+    (1,) or (n,) float64
+        In pixels.
+
+    Raises
+    ------
+    InputError
+        The rule is automatic, and the points are not whole numbers or a step is longer than
+        1000 px.
+
+    References
+    ----------
+    Thesis (3-32) and 3.4.3; the automatic radius answers its future work.
+
+    Examples
+    --------
+    >>> radii_of([(0, 0), (1, 0)], DebParams(radius_rule="smallest_circle")).tolist()
+    [4.0]
+    >>> line = [(i, 0) for i in range(20)]
+    >>> radii_of(line, DebParams(radius_rule="auto")).round(2)[[0, 10]].tolist()
+    [6.89, 6.89]
+    """
+    if params.radius_rule != "auto":
+        return fixed_radius(params)
+    back, ahead = pencils_of(points, closed=closed).reaches()
+    length = 0.5 * (back + ahead) + 1.0
+    rho = length**2 / 8.0
+    chosen = np.minimum(np.cbrt(3.0 * rho**2), params.tolerance * rho)
+    radii: FloatArray = np.maximum(chosen, 2.0)
+    return radii
