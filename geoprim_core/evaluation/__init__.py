@@ -10,6 +10,14 @@ from geoprim_core.evaluation.calibration import (
     reliability_table,
 )
 from geoprim_core.evaluation.coverage import Coverage, CoverageRow, measure_coverage
+from geoprim_core.evaluation.fitting import (
+    DetectionCounts,
+    FitErrors,
+    confocal_distance,
+    detection_counts,
+    fit_errors,
+    focal_bisector_distance,
+)
 from geoprim_core.evaluation.ground_truth import GroundTruth, load_ground_truth
 from geoprim_core.evaluation.matching import UNMATCHED, Matching, match_ellipses
 from geoprim_core.evaluation.report import POOLED, ImageScore, Report, ReportRow
@@ -22,6 +30,8 @@ __all__ = [
     "UNMATCHED",
     "Coverage",
     "CoverageRow",
+    "DetectionCounts",
+    "FitErrors",
     "GroundTruth",
     "ImageScore",
     "Matching",
@@ -31,9 +41,13 @@ __all__ = [
     "Score",
     "ScoredDetections",
     "collect_scores",
+    "confocal_distance",
     "cross_scores",
+    "detection_counts",
     "evaluate_images",
+    "fit_errors",
     "fit_score",
+    "focal_bisector_distance",
     "load_ground_truth",
     "match_ellipses",
     "measure_coverage",

@@ -6,6 +6,13 @@ Every function is deterministic: the same arguments, seed included, give the sam
 from geoprim_core.synthetic.assorted import assorted_scenes
 from geoprim_core.synthetic.circles import ARRANGEMENTS, circles_image
 from geoprim_core.synthetic.discs import TARGETS, disc_scene, project_circle
+from geoprim_core.synthetic.fitting_sets import (
+    CONIC_KINDS,
+    elliptic_arc,
+    noisy_ellipse,
+    open_conic,
+    random_ellipse,
+)
 from geoprim_core.synthetic.scene import Scene
 from geoprim_core.synthetic.shapes import (
     disc_image,
@@ -23,6 +30,7 @@ from geoprim_core.synthetic.variants import degraded, rotated
 __all__ = [
     "ALPHAS",
     "ARRANGEMENTS",
+    "CONIC_KINDS",
     "SORTING_LINES",
     "TARGETS",
     "Scene",
@@ -35,7 +43,11 @@ __all__ = [
     "disc_image",
     "disc_scene",
     "ellipse_image",
+    "elliptic_arc",
+    "noisy_ellipse",
+    "open_conic",
     "project_circle",
+    "random_ellipse",
     "render_ellipses",
     "render_parity",
     "rotated",
