@@ -6,24 +6,47 @@ from typing import cast
 
 import numpy.typing as npt
 
+from geoprim_core.fitting.ahn import AhnParams, ahn
+from geoprim_core.fitting.chaudhuri import ChaudhuriParams, chaudhuri
 from geoprim_core.fitting.conic import conic_from_ellipse, ellipse_from_conic
 from geoprim_core.fitting.distance import distance_to_ellipse
 from geoprim_core.fitting.ellifit import EllifitParams, ellifit
-from geoprim_core.fitting.geometric import GeometricFit, fit_geometric
+from geoprim_core.fitting.fit_params import FitParams
+from geoprim_core.fitting.fitzgibbon import FitzgibbonParams, fitzgibbon
+from geoprim_core.fitting.geometric import GeometricFit, GeometricParams, fit_geometric, geometric
+from geoprim_core.fitting.halir_flusser import HalirFlusserParams, halir_flusser
+from geoprim_core.fitting.harker import HarkerParams, harker
+from geoprim_core.fitting.hyper import HyperParams, hyper
+from geoprim_core.fitting.liu import LiuParams, liu
+from geoprim_core.fitting.maini import MainiParams, maini
 from geoprim_core.fitting.moments import Moments, fit_moments, point_moments
 from geoprim_core.fitting.nsaf import NsafParams, nsaf
 from geoprim_core.fitting.overlap import overlap_matrix, overlap_ratio
 from geoprim_core.fitting.shape import ellipse_boxes, outline_points, perimeter, point_at
+from geoprim_core.fitting.taubin import TaubinParams, taubin
 from geoprim_core.methods import Method, Table
 from geoprim_core.params import Params, as_params
 from geoprim_core.types import EllipseFit
 
 __all__ = [
     "TABLE",
+    "AhnParams",
+    "ChaudhuriParams",
     "EllifitParams",
+    "FitParams",
+    "FitzgibbonParams",
     "GeometricFit",
+    "GeometricParams",
+    "HalirFlusserParams",
+    "HarkerParams",
+    "HyperParams",
+    "LiuParams",
+    "MainiParams",
     "Moments",
     "NsafParams",
+    "TaubinParams",
+    "ahn",
+    "chaudhuri",
     "conic_from_ellipse",
     "distance_to_ellipse",
     "ellifit",
@@ -32,6 +55,13 @@ __all__ = [
     "fit_ellipse",
     "fit_geometric",
     "fit_moments",
+    "fitzgibbon",
+    "geometric",
+    "halir_flusser",
+    "harker",
+    "hyper",
+    "liu",
+    "maini",
     "nsaf",
     "outline_points",
     "overlap_matrix",
@@ -39,6 +69,7 @@ __all__ = [
     "perimeter",
     "point_at",
     "point_moments",
+    "taubin",
 ]
 
 TABLE = Table(
@@ -55,11 +86,41 @@ TABLE = Table(
         EllifitParams,
         "Prasad, Leung and Quek, Pattern Recognition 46, 2013; thesis 4.4",
     ),
+    Method(
+        "fitzgibbon",
+        fitzgibbon,
+        FitzgibbonParams,
+        "Fitzgibbon, Pilu and Fisher, IEEE Trans. PAMI 21, 1999; thesis 4.2.1",
+    ),
+    Method("halir_flusser", halir_flusser, HalirFlusserParams, "Halir and Flusser, WSCG 1998"),
+    Method(
+        "harker",
+        harker,
+        HarkerParams,
+        "Harker, O'Leary and Zsombor-Murray, Image and Vision Computing 26, 2008",
+    ),
+    Method("maini", maini, MainiParams, "Maini, Int. J. Pattern Recognition and AI 20, 2006"),
+    Method(
+        "chaudhuri", chaudhuri, ChaudhuriParams, "Chaudhuri, Pattern Recognition Letters 31, 2010"
+    ),
+    Method("liu", liu, LiuParams, "Liu and Qiao, Pattern Recognition 42, 2009"),
+    Method("ahn", ahn, AhnParams, "Ahn, Rauh and Warnecke, Pattern Recognition 34, 2001"),
+    Method("taubin", taubin, TaubinParams, "Taubin, IEEE Trans. PAMI 13, 1991"),
+    Method(
+        "hyper",
+        hyper,
+        HyperParams,
+        "Kanatani and Rangarajan, Computational Statistics and Data Analysis 55, 2011",
+    ),
+    Method("geometric", geometric, GeometricParams, "Gander, Golub and Strebel, BIT 34, 1994"),
 )
 
 
 def fit_ellipse(
-    points: npt.ArrayLike, method: str = "ellifit", params: Params | None = None
+    points: npt.ArrayLike,
+    method: str = "ellifit",
+    params: Params | None = None,
+    weights: npt.ArrayLike | None = None,
 ) -> EllipseFit:
     """Fit an ellipse to points.
 
@@ -71,6 +132,8 @@ def fit_ellipse(
         A name of `TABLE`.
     params : Params, optional
         Of the method's class.
+    weights : (n,) array, optional
+        Weights of at least 0, not all 0; by default 1 each.
 
     Returns
     -------
@@ -80,7 +143,7 @@ def fit_ellipse(
     Raises
     ------
     InputError
-        The points are not a finite (n, 2) array.
+        The points are not a finite (n, 2) array, or the weights not (n,) of at least 0.
     ParameterError
         The method is unknown or the parameters are of another class.
 
@@ -97,4 +160,5 @@ def fit_ellipse(
     5.0
     """
     row = TABLE[method]
-    return cast(EllipseFit, row.function(points, params=as_params(params, row.params)))
+    settings = as_params(params, row.params)
+    return cast(EllipseFit, row.function(points, params=settings, weights=weights))
