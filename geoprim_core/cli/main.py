@@ -26,6 +26,7 @@ COMMANDS = {
     "bench stability": "compare F of turned, mirrored, shifted and brightened images",
     "bench scaling": "measure how the time grows with the image and with the number of arcs",
     "calibrate": "check by simulation that scores are probabilities and that covariances hold",
+    "reproduce fitting": "rerun the experiments of thesis 4.5: tables, figures, claims, chooser",
     "warm": "compile the numeric kernels ahead of time",
 }
 

@@ -22,6 +22,7 @@ from geoprim_core.fitting.maini import MainiParams, maini
 from geoprim_core.fitting.moments import Moments, fit_moments, point_moments
 from geoprim_core.fitting.nsaf import NsafParams, nsaf
 from geoprim_core.fitting.overlap import overlap_matrix, overlap_ratio
+from geoprim_core.fitting.selective import SelectiveParams, selective
 from geoprim_core.fitting.shape import ellipse_boxes, outline_points, perimeter, point_at
 from geoprim_core.fitting.taubin import TaubinParams, taubin
 from geoprim_core.methods import Method, Table
@@ -44,6 +45,7 @@ __all__ = [
     "MainiParams",
     "Moments",
     "NsafParams",
+    "SelectiveParams",
     "TaubinParams",
     "ahn",
     "chaudhuri",
@@ -69,6 +71,7 @@ __all__ = [
     "perimeter",
     "point_at",
     "point_moments",
+    "selective",
     "taubin",
 ]
 
@@ -113,6 +116,12 @@ TABLE = Table(
         "Kanatani and Rangarajan, Computational Statistics and Data Analysis 55, 2011",
     ),
     Method("geometric", geometric, GeometricParams, "Gander, Golub and Strebel, BIT 34, 1994"),
+    Method(
+        "selective",
+        selective,
+        SelectiveParams,
+        "Taubin, IEEE Trans. PAMI 13, 1991, with a test against the parabola",
+    ),
 )
 
 

@@ -28,6 +28,7 @@ REASONS = (
     "the steps have not settled",
     "the semi-major axis is above its limit",
     "the ratio of the axes is below its limit",
+    "the points do not tell an ellipse from a parabola",
 )
 UNSETTLED, TOO_LARGE, TOO_THIN = 8, 9, 10
 UNWEIGHTED = np.zeros(0)

@@ -175,7 +175,7 @@ def _dense_conic(latus: float, eccentricity: float, half_span: float) -> FloatAr
     curve = (latus / below)[:, None] * np.stack([np.cos(coarse), np.sin(coarse)], axis=1)
     length = np.append(0.0, np.hypot(*np.diff(curve, axis=0).T).cumsum())
     even = np.linspace(0.0, length[-1], int(length[-1] / _DENSE) + 2)
-    angles = np.asarray(np.interp(even, length, coarse), np.float64)
+    angles: FloatArray = np.interp(even, length, coarse).astype(np.float64)
     return _conic_points(latus, eccentricity, angles)
 
 
