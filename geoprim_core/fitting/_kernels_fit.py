@@ -290,7 +290,11 @@ def point_sums(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, flo
     moments = np.zeros(15)
     total = 0.0
     if len(weights) == 0:
-        x0, y0 = points[:, 0].mean(), points[:, 1].mean()
+        x0, y0 = 0.0, 0.0
+        for i in range(len(points)):
+            x0 += points[i, 0]
+            y0 += points[i, 1]
+        x0, y0 = x0 / len(points), y0 / len(points)
         for i in range(len(points)):
             total += (points[i, 0] - x0) ** 2 + (points[i, 1] - y0) ** 2
         scale = math.sqrt(total / len(points))
