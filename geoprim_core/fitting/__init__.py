@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import cast
 
 import numpy.typing as npt
 
+from geoprim_core.fitting._outcome import checked_weights
 from geoprim_core.fitting.ahn import AhnParams, ahn
+from geoprim_core.fitting.batch import EllipseFits, fit_arrays, ragged
 from geoprim_core.fitting.chaudhuri import ChaudhuriParams, chaudhuri
 from geoprim_core.fitting.conic import conic_from_ellipse, ellipse_from_conic
 from geoprim_core.fitting.distance import distance_to_ellipse
@@ -27,13 +30,14 @@ from geoprim_core.fitting.shape import ellipse_boxes, outline_points, perimeter,
 from geoprim_core.fitting.taubin import TaubinParams, taubin
 from geoprim_core.methods import Method, Table
 from geoprim_core.params import Params, as_params
-from geoprim_core.types import EllipseFit
+from geoprim_core.types import Contours, EllipseFit
 
 __all__ = [
     "TABLE",
     "AhnParams",
     "ChaudhuriParams",
     "EllifitParams",
+    "EllipseFits",
     "FitParams",
     "FitzgibbonParams",
     "GeometricFit",
@@ -55,6 +59,7 @@ __all__ = [
     "ellipse_boxes",
     "ellipse_from_conic",
     "fit_ellipse",
+    "fit_ellipses",
     "fit_geometric",
     "fit_moments",
     "fitzgibbon",
@@ -171,3 +176,55 @@ def fit_ellipse(
     row = TABLE[method]
     settings = as_params(params, row.params)
     return cast(EllipseFit, row.function(points, params=settings, weights=weights))
+
+
+def fit_ellipses(
+    arcs: Contours | Sequence[npt.ArrayLike],
+    method: str = "ellifit",
+    params: Params | None = None,
+    weights: npt.ArrayLike | None = None,
+) -> EllipseFits:
+    """Fit an ellipse to each of many arcs.
+
+    Arcs and points may have any number; nothing is raised because of one arc's points.
+
+    Parameters
+    ----------
+    arcs : Contours or sequence of (n, 2) arrays
+        Of contours the sub-pixel positions are fitted where there are any.
+    method : str
+        A name of `TABLE`.
+    params : Params, optional
+        Of the method's class.
+    weights : (N,) array, optional
+        Weights of at least 0 of all points, in the order of the arcs; by default 1 each.
+
+    Returns
+    -------
+    EllipseFits
+        The ellipses, and for every arc a status, a reason and a residual.
+
+    Raises
+    ------
+    InputError
+        An arc is not a finite (n, 2) array, or the weights not (N,) of at least 0.
+    ParameterError
+        The method is unknown or the parameters are of another class.
+
+    References
+    ----------
+    Thesis chapter 4.
+
+    Examples
+    --------
+    >>> circle = [(5, 0), (0, 5), (-5, 0), (0, -5), (3, 4), (4, 3)]
+    >>> fits = fit_ellipses([circle, [(0, 0), (1, 1)]], "halir_flusser")
+    >>> fits.found.tolist(), fits.reasons[1]
+    ([True, False], 'fewer than five distinct points')
+    >>> round(fits[0].ellipse.semi_major, 9)
+    5.0
+    """
+    row = TABLE[method]
+    points, offsets = ragged(arcs)
+    settings = as_params(params, row.params)
+    return fit_arrays(points, offsets, checked_weights(weights, len(points)), method, settings)

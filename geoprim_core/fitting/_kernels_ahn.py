@@ -111,7 +111,7 @@ def ahn_points(
     for _ in range(iterations):
         for j in range(5):  # a circle has no angle: its row is zero
             matrix[j, j] += 1e-14 * matrix[j, j] + 1e-14 * matrix[0, 0]
-        step: FloatArray = np.linalg.solve(matrix, vector)
+        step = np.linalg.solve(matrix, vector).astype(np.float64)
         size = math.sqrt(step[0] ** 2 + step[1] ** 2 + step[2] ** 2 + step[3] ** 2)
         size += abs(step[4]) * (ellipse[2] - ellipse[3])
         if size <= 1e-10 * ellipse[2]:

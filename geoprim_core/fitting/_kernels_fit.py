@@ -210,11 +210,23 @@ def from_whitened(conic: FloatArray, frame: FloatArray) -> tuple[int, FloatArray
     ellipse = np.full(5, np.nan)
     a, b, c, d, f, g = conic
     x0, y0, alpha, beta, gamma = frame
+    status, level = placed(a, b, c, d, f, g, x0, y0, alpha, beta, gamma, ellipse)
+    if status != OK:
+        ellipse[:] = np.nan
+    return status, ellipse, level
+
+
+@kernel
+def placed(
+    a: float, b: float, c: float, d: float, f: float, g: float,
+    x0: float, y0: float, alpha: float, beta: float, gamma: float, ellipse: FloatArray,
+) -> tuple[int, float]:  # fmt: skip
+    """Write the ellipse (5,) of a whitened conic; return status and minus the centre's value."""
     det = 4.0 * a * c - b * b
     u, v = (b * f - 2.0 * c * d) / det, (b * d - 2.0 * a * f) / det
     level = -g - 0.5 * (d * u + f * v)  # minus the value at the centre: K of errata E1
     if not level / (a + c) > 0.0:
-        return IMAGINARY, ellipse, level
+        return IMAGINARY, level
     a, b, c = a / level, b / level, c / level
     # Cholesky factor of the quadratic form: its inverse maps the unit circle to the ellipse.
     r11 = math.sqrt(a)
@@ -227,9 +239,8 @@ def from_whitened(conic: FloatArray, frame: FloatArray) -> tuple[int, FloatArray
     ellipse[2], ellipse[3], ellipse[4] = axes_of(
         i11 / alpha, i12 / alpha, back * i11, back * i12 + i22 / gamma
     )
-    if not (np.isfinite(ellipse).all() and ellipse[3] > 0.0):
-        return INFINITE, np.full(5, np.nan), level
-    return OK, ellipse, level
+    size = abs(ellipse[0]) + abs(ellipse[1]) + ellipse[2] + ellipse[4]
+    return (OK if ellipse[3] > 0.0 and math.isfinite(size) else INFINITE), level
 
 
 @kernel
@@ -290,7 +301,11 @@ def point_sums(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, flo
     moments = np.zeros(15)
     total = 0.0
     if len(weights) == 0:
-        x0, y0 = points[:, 0].mean(), points[:, 1].mean()
+        x0, y0 = 0.0, 0.0
+        for i in range(len(points)):
+            x0 += points[i, 0]
+            y0 += points[i, 1]
+        x0, y0 = x0 / len(points), y0 / len(points)
         for i in range(len(points)):
             total += (points[i, 0] - x0) ** 2 + (points[i, 1] - y0) ** 2
         scale = math.sqrt(total / len(points))

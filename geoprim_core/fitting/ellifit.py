@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy.typing as npt
 
-from geoprim_core.fitting._kernels_fit import ELLIFIT, fit_points_of
+from geoprim_core.fitting._kernels_arcs import fit_curve
+from geoprim_core.fitting._kernels_fit import ELLIFIT
 from geoprim_core.fitting._outcome import fit_by
 from geoprim_core.fitting.fit_params import FitParams
 from geoprim_core.params import as_params
@@ -72,4 +73,4 @@ def ellifit(
     'the best conic is a parabola'
     """
     limits = as_params(params, EllifitParams)
-    return fit_by(fit_points_of, points, weights, limits, ELLIFIT)
+    return fit_by(fit_curve, points, weights, limits, ELLIFIT)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy.typing as npt
 
-from geoprim_core.fitting._kernels_fit import NSAF, fit_points_of
+from geoprim_core.fitting._kernels_arcs import fit_curve
+from geoprim_core.fitting._kernels_fit import NSAF
 from geoprim_core.fitting._outcome import fit_by
 from geoprim_core.fitting.fit_params import FitParams
 from geoprim_core.params import as_params
@@ -65,4 +66,4 @@ def halir_flusser(
     (20.0, 10.0)
     """
     limits = as_params(params, HalirFlusserParams)
-    return fit_by(fit_points_of, points, weights, limits, NSAF)
+    return fit_by(fit_curve, points, weights, limits, NSAF)

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geoprim_core.errors import InputError, ParameterError
-from geoprim_core.fitting import TABLE, fit_ellipse, overlap_ratio, point_at
+from geoprim_core.fitting import TABLE, fit_ellipse, fit_ellipses, overlap_ratio, point_at
 from geoprim_core.types import Ellipse
 
 ROWS = pytest.mark.parametrize("row", list(TABLE), ids=TABLE.names)
@@ -237,3 +237,25 @@ def test_fit_ellipse_calls_the_method_of_that_name():
     assert fit_ellipse(points).ellipse == fit_ellipse(points, "ellifit").ellipse
     with pytest.raises(ParameterError, match="nsaf, ellifit, fitzgibbon"):
         fit_ellipse(points, "nothing")
+
+
+@ROWS
+def test_many_arcs_at_once_are_fitted_as_one_at_a_time(row):
+    random = np.random.default_rng(9)
+    arcs = [np.zeros((0, 2)), np.stack([np.arange(9.0), np.arange(9.0)], axis=1)]
+    for _ in range(20):
+        major = random.uniform(20, 90)
+        ellipse = Ellipse(*random.uniform(0, 500, 2), major, major * random.uniform(0.3, 1), 1.0)
+        points = arc(ellipse, random.uniform(0, 6), random.uniform(1, 6), random.integers(8, 60))
+        arcs.append(points + random.normal(0, 0.3, points.shape))
+    weights = random.uniform(0, 1, sum(map(len, arcs)))
+    parts = np.split(weights, np.cumsum([len(points) for points in arcs])[:-1])
+    params = row.params(min_axis_ratio=0.3)
+    for flat, single in ((None, [None] * len(arcs)), (weights, parts)):
+        fits = fit_ellipses(arcs, row.name, params, flat)
+        assert len(fits) == len(arcs) and fits.found.sum() == len(fits.ellipses) > 5
+        for fit, points, own in zip(fits, arcs, single, strict=True):
+            expected = row.function(points, params=params, weights=own if len(points) else None)
+            assert fit.reason == expected.reason
+            assert fit.ellipse == expected.ellipse
+            assert fit.residual == expected.residual or fit.ellipse is None
