@@ -88,14 +88,27 @@ def kernel(function: Function) -> Function:
 
     Without a writable cache folder the kernel is compiled anew in every process.
     """
+    return _compiled(function)
+
+
+def fused_kernel(function: Function) -> Function:
+    """Compile like `kernel`, with a product and a sum in one rounding where the processor can.
+
+    For sums over many numbers, which take two thirds of the time so.
+    """
+    return _compiled(function, fastmath={"contract"})
+
+
+def _compiled(function: Function, **options: Any) -> Function:
+    options |= {"nogil": True, "error_model": "numpy"}
     base = cache_base()
     if base is None:
-        return cast(Function, numba.njit(nogil=True, error_model="numpy")(function))
+        return cast(Function, numba.njit(**options)(function))
     before = numba.config.CACHE_DIR
     source = Path(function.__code__.co_filename)
     # Read once, while the function is decorated.
     numba.config.CACHE_DIR = str(base / f"{source.stem.lstrip('_')}-{source_digest(source)}")
     try:
-        return cast(Function, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+        return cast(Function, numba.njit(cache=True, **options)(function))
     finally:
         numba.config.CACHE_DIR = before

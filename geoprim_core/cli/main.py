@@ -31,6 +31,7 @@ COMMANDS = {
     "calibrate": "check by simulation that scores are probabilities and that covariances hold",
     "reproduce polygon": "rerun the experiments of thesis chapter 2: tables, figures, claims",
     "reproduce tangent": "rerun the experiments of thesis chapter 3 with every tangent estimator",
+    "reproduce fitting": "rerun the experiments of thesis 4.5: tables, figures, claims, chooser",
     "polygons": "approximate the edge contours of an image by polygons, draw them",
     "warm": "compile the numeric kernels ahead of time",
 }

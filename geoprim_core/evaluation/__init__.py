@@ -10,6 +10,14 @@ from geoprim_core.evaluation.calibration import (
     reliability_table,
 )
 from geoprim_core.evaluation.coverage import Coverage, CoverageRow, measure_coverage
+from geoprim_core.evaluation.fitting import (
+    DetectionCounts,
+    FitErrors,
+    confocal_distance,
+    detection_counts,
+    fit_errors,
+    focal_bisector_distance,
+)
 from geoprim_core.evaluation.ground_truth import GroundTruth, load_ground_truth
 from geoprim_core.evaluation.matching import UNMATCHED, Matching, match_ellipses
 from geoprim_core.evaluation.polygon import (
@@ -33,6 +41,8 @@ __all__ = [
     "Coverage",
     "CoverageRow",
     "CurveMetrics",
+    "DetectionCounts",
+    "FitErrors",
     "GroundTruth",
     "ImageScore",
     "Matching",
@@ -44,9 +54,13 @@ __all__ = [
     "Score",
     "ScoredDetections",
     "collect_scores",
+    "confocal_distance",
     "cross_scores",
+    "detection_counts",
     "evaluate_images",
+    "fit_errors",
     "fit_score",
+    "focal_bisector_distance",
     "image_metrics",
     "load_ground_truth",
     "match_ellipses",

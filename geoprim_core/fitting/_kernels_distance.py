@@ -89,7 +89,7 @@ def _system(
 
 
 @kernel
-def _canonical(ellipse: FloatArray) -> FloatArray:
+def canonical(ellipse: FloatArray) -> FloatArray:
     """Return an ellipse, semi-major axis first, its angle in [0, pi) and 0 for a circle."""
     result = ellipse.copy()
     if result[3] > result[2]:
@@ -138,7 +138,7 @@ def refine_kernel(
                 damped[j, j] += damping * matrix[j, j] + 1e-12 * (1.0 + matrix[0, 0])
             trial = ellipse + np.linalg.solve(damped, vector)
             if trial[2] > 0.0 and trial[3] > 0.0 and np.isfinite(trial).all():
-                trial = _canonical(trial)
+                trial = canonical(trial)
                 if trial[3] > 1e-9 * trial[2]:
                     following = _system(points, weights, trial, huber)
                     if following[2] <= cost:
@@ -162,4 +162,4 @@ def refine_kernel(
             used += 1
     freedom = max(total * (1.0 - 5.0 / used), 1e-300) if used > 5 else np.nan
     covariance = _covariance(matrix, squares / freedom)
-    return _canonical(ellipse), covariance, math.sqrt(squares / total), settled
+    return canonical(ellipse), covariance, math.sqrt(squares / total), settled

@@ -15,26 +15,31 @@ import numpy as np
 
 from geoprim_core._check import FloatArray
 from geoprim_core._jit import kernel
-from geoprim_core.fitting._kernels_moments import add_moments, mapped, shifted
+from geoprim_core.fitting._kernels_moments import (
+    add_moments,
+    add_weighted_moments,
+    mapped,
+    shifted,
+)
 
 OK, FEW, COLLINEAR, UNDETERMINED, HYPERBOLA, PARABOLA, IMAGINARY, INFINITE = range(8)
 NSAF, ELLIFIT = 0, 1
 
 # Whitened conics flatter than this are parabolae: an arc of a circle is from 0.03 degrees on.
-_FLAT = 1e-6
+FLAT = 1e-6
 
 
 @kernel
-def _reduced(m: FloatArray) -> FloatArray:
+def reduced(m: FloatArray) -> FloatArray:
     """Return the matrix M (3, 3) of whitened, mean moments: covariance of uu, uv, vv given u, v."""
-    reduced = np.empty((3, 3))
+    matrix = np.empty((3, 3))
     mean = (1.0, 0.0, 1.0)
     for i in range(3):
         for j in range(3):
             along_u = m[6 + i] * m[6 + j]
             along_v = m[7 + i] * m[7 + j]
-            reduced[i, j] = m[10 + i + j] - along_u - along_v - mean[i] * mean[j]
-    return reduced
+            matrix[i, j] = m[10 + i + j] - along_u - along_v - mean[i] * mean[j]
+    return matrix
 
 
 @kernel
@@ -104,7 +109,7 @@ def _fixed(m: FloatArray) -> FloatArray:
 
 
 @kernel
-def _determined(m: FloatArray) -> bool:
+def determined(m: FloatArray) -> bool:
     """Tell whether M leaves at most one conic free, so that its rank is two or three."""
     trace = m[0, 0] + m[1, 1] + m[2, 2]
     minors = (m[0, 0] * m[1, 1] - m[0, 1] ** 2 + m[0, 0] * m[2, 2] - m[0, 2] ** 2) + (
@@ -141,59 +146,87 @@ def classified(a: float, b: float, c: float, flat: float) -> int:
 
 
 @kernel
-def fit_moments_of(moments: FloatArray, method: int) -> tuple[int, FloatArray, float]:
-    """Fit an ellipse to points known by their moments.
+def whitened(moments: FloatArray) -> tuple[int, FloatArray, FloatArray]:
+    """Return status, moments (15,) with mean 0 and covariance 1, and the map (5,) to there.
 
-    Returns the status, the ellipse (5,) in the unit and about the origin of the moments, and
-    the root mean square of the conic's value, scaled to -1 at its centre (NaN without a fit).
+    The map is u = alpha (x - x0), v = beta (x - x0) + gamma (y - y0); the five are x0, y0,
+    alpha, beta, gamma.
     """
-    ellipse = np.full(5, np.nan)
+    frame = np.zeros(5)
     if not moments[0] >= 5.0:
-        return FEW, ellipse, np.nan
+        return FEW, moments, frame
     mean = moments / moments[0]
     x0, y0 = mean[1], mean[2]
     centred = shifted(mean, x0, y0)
     xx, xy, yy = centred[3], centred[4], centred[5]
     rest = yy - xy * xy / xx if xx > 0.0 else 0.0
     if not xx * rest > 1e-13 * (xx + yy) ** 2:
-        return COLLINEAR, ellipse, np.nan
+        return COLLINEAR, moments, frame
     alpha, gamma = 1.0 / math.sqrt(xx), 1.0 / math.sqrt(rest)
     beta = -gamma * xy / xx
-    m = mapped(centred, alpha, beta, gamma)
-    matrix = _reduced(m)
-    if not _determined(matrix):
-        return UNDETERMINED, ellipse, np.nan
-    q = _direct(matrix) if method == NSAF else _fixed(matrix)
-    a, b, c = q[0], q[1], q[2]
-    kind = classified(a, b, c, _FLAT)
-    if kind != OK:
-        return kind, ellipse, np.nan
-    d = -(a * m[6] + b * m[7] + c * m[8])
-    f = -(a * m[7] + b * m[8] + c * m[9])
-    return _from_whitened(a, b, c, d, f, matrix, x0, y0, alpha, beta, gamma)
+    frame[0], frame[1], frame[2], frame[3], frame[4] = x0, y0, alpha, beta, gamma
+    return OK, mapped(centred, alpha, beta, gamma), frame
 
 
 @kernel
-def _from_whitened(
-    a: float,
-    b: float,
-    c: float,
-    d: float,
-    f: float,
-    matrix: FloatArray,
-    x0: float,
-    y0: float,
-    alpha: float,
-    beta: float,
-    gamma: float,
-) -> tuple[int, FloatArray, float]:
-    """Return status, ellipse and residual of a conic with g = -(a + c) in whitened coordinates."""
+def fit_moments_of(moments: FloatArray, method: int) -> tuple[int, FloatArray, float]:
+    """Fit an ellipse to points known by their moments.
+
+    Returns the status, the ellipse (5,) in the unit and about the origin of the moments, and
+    the root mean square of the conic's value, scaled to -1 at its centre (NaN without a fit).
+    """
+    status, m, frame = whitened(moments)
+    if status != OK:
+        return status, np.full(5, np.nan), np.nan
+    matrix = reduced(m)
+    if not determined(matrix):
+        return UNDETERMINED, np.full(5, np.nan), np.nan
+    q = _direct(matrix) if method == NSAF else _fixed(matrix)
+    a, b, c = q[0], q[1], q[2]
+    kind = classified(a, b, c, FLAT)
+    if kind != OK:
+        return kind, np.full(5, np.nan), np.nan
+    d = -(a * m[6] + b * m[7] + c * m[8])
+    f = -(a * m[7] + b * m[8] + c * m[9])
+    status, ellipse, level = from_whitened(np.array([a, b, c, d, f, -(a + c)]), frame)
+    if status != OK:
+        return status, ellipse, np.nan
+    a, b, c = a / level, b / level, c / level
+    mean_square = (
+        a * a * matrix[0, 0]
+        + b * b * matrix[1, 1]
+        + c * c * matrix[2, 2]
+        + 2.0 * (a * b * matrix[0, 1] + a * c * matrix[0, 2] + b * c * matrix[1, 2])
+    )
+    return OK, ellipse, math.sqrt(max(mean_square, 0.0))
+
+
+@kernel
+def from_whitened(conic: FloatArray, frame: FloatArray) -> tuple[int, FloatArray, float]:
+    """Return status, ellipse (5,) and minus the value at the centre of a conic (6,).
+
+    The conic is an ellipse's in the coordinates of `frame`, as `whitened` gives it.
+    """
     ellipse = np.full(5, np.nan)
+    a, b, c, d, f, g = conic
+    x0, y0, alpha, beta, gamma = frame
+    status, level = placed(a, b, c, d, f, g, x0, y0, alpha, beta, gamma, ellipse)
+    if status != OK:
+        ellipse[:] = np.nan
+    return status, ellipse, level
+
+
+@kernel
+def placed(
+    a: float, b: float, c: float, d: float, f: float, g: float,
+    x0: float, y0: float, alpha: float, beta: float, gamma: float, ellipse: FloatArray,
+) -> tuple[int, float]:  # fmt: skip
+    """Write the ellipse (5,) of a whitened conic; return status and minus the centre's value."""
     det = 4.0 * a * c - b * b
     u, v = (b * f - 2.0 * c * d) / det, (b * d - 2.0 * a * f) / det
-    level = (a + c) - 0.5 * (d * u + f * v)  # minus the value at the centre: K of errata E1
+    level = -g - 0.5 * (d * u + f * v)  # minus the value at the centre: K of errata E1
     if not level / (a + c) > 0.0:
-        return IMAGINARY, ellipse, np.nan
+        return IMAGINARY, level
     a, b, c = a / level, b / level, c / level
     # Cholesky factor of the quadratic form: its inverse maps the unit circle to the ellipse.
     r11 = math.sqrt(a)
@@ -206,15 +239,8 @@ def _from_whitened(
     ellipse[2], ellipse[3], ellipse[4] = axes_of(
         i11 / alpha, i12 / alpha, back * i11, back * i12 + i22 / gamma
     )
-    if not (np.isfinite(ellipse).all() and ellipse[3] > 0.0):
-        return INFINITE, np.full(5, np.nan), np.nan
-    mean_square = (
-        a * a * matrix[0, 0]
-        + b * b * matrix[1, 1]
-        + c * c * matrix[2, 2]
-        + 2.0 * (a * b * matrix[0, 1] + a * c * matrix[0, 2] + b * c * matrix[1, 2])
-    )
-    return OK, ellipse, math.sqrt(max(mean_square, 0.0))
+    size = abs(ellipse[0]) + abs(ellipse[1]) + ellipse[2] + ellipse[4]
+    return (OK if ellipse[3] > 0.0 and math.isfinite(size) else INFINITE), level
 
 
 @kernel
@@ -232,24 +258,28 @@ def fit_group(
 
 
 @kernel
-def algebraic_residual(points: FloatArray, ellipse: FloatArray) -> float:
-    """Return the root mean square of the conic's value, scaled to -1 at the centre."""
+def algebraic_residual(points: FloatArray, weights: FloatArray, ellipse: FloatArray) -> float:
+    """Return the (weighted) root mean square of the conic's value, scaled to -1 at the centre."""
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    total = 0.0
+    plain = len(weights) == 0
+    total, count = 0.0, 0.0
     for i in range(len(points)):
         dx, dy = points[i, 0] - ellipse[0], points[i, 1] - ellipse[1]
         u, v = (cos * dx + sin * dy) / ellipse[2], (cos * dy - sin * dx) / ellipse[3]
         value = (u - 1.0) * (u + 1.0) + v * v
-        total += value * value
-    return math.sqrt(total / len(points))
+        weight = 1.0 if plain else weights[i]
+        total += weight * value * value
+        count += weight
+    return math.sqrt(total / count)
 
 
 @kernel
-def _few_distinct(points: FloatArray) -> bool:
+def few_distinct(points: FloatArray, weights: FloatArray) -> bool:
+    """Tell whether fewer than five different points have a weight."""
     seen = np.empty(5, np.int64)
     count = 0
     for i in range(len(points)):
-        new = True
+        new = len(weights) == 0 or weights[i] > 0.0
         for j in range(count):
             if points[i, 0] == points[seen[j], 0] and points[i, 1] == points[seen[j], 1]:
                 new = False
@@ -262,18 +292,51 @@ def _few_distinct(points: FloatArray) -> bool:
 
 
 @kernel
-def fit_points_of(points: FloatArray, method: int) -> tuple[int, FloatArray, float]:
-    """Fit an ellipse (5,) in image coordinates to points (n, 2); status, ellipse, residual."""
-    if _few_distinct(points):
-        return FEW, np.full(5, np.nan), np.nan
-    x0, y0 = points[:, 0].mean(), points[:, 1].mean()
-    total = 0.0
-    for i in range(len(points)):
-        total += (points[i, 0] - x0) ** 2 + (points[i, 1] - y0) ** 2
-    scale = math.sqrt(total / len(points))
+def point_sums(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, float, float, float]:
+    """Return the moments (15,) of points (n, 2), at least five distinct, and their x0, y0, scale.
+
+    The origin is the mean and the scale the root mean square distance from it. Weights (n,),
+    or none for one each, count on the average of the points that have any.
+    """
     moments = np.zeros(15)
-    add_moments(points, x0, y0, scale, moments)
+    total = 0.0
+    if len(weights) == 0:
+        x0, y0 = 0.0, 0.0
+        for i in range(len(points)):
+            x0 += points[i, 0]
+            y0 += points[i, 1]
+        x0, y0 = x0 / len(points), y0 / len(points)
+        for i in range(len(points)):
+            total += (points[i, 0] - x0) ** 2 + (points[i, 1] - y0) ** 2
+        scale = math.sqrt(total / len(points))
+        add_moments(points, x0, y0, scale, moments)
+        return moments, x0, y0, scale
+    used = 0.0
+    for i in range(len(weights)):
+        used += 1.0 if weights[i] > 0.0 else 0.0
+    even = weights * (used / weights.sum())
+    x0, y0 = (even * points[:, 0]).sum() / used, (even * points[:, 1]).sum() / used
+    for i in range(len(points)):
+        total += even[i] * ((points[i, 0] - x0) ** 2 + (points[i, 1] - y0) ** 2)
+    scale = math.sqrt(total / used)
+    add_weighted_moments(points, even, x0, y0, scale, moments)
+    # The sum may fall short of the number by rounding.
+    moments[0] = used
+    return moments, x0, y0, scale
+
+
+@kernel
+def fit_points_of(
+    points: FloatArray, weights: FloatArray, method: int
+) -> tuple[int, FloatArray, float]:
+    """Fit an ellipse (5,) in image coordinates to points (n, 2); status, ellipse, residual.
+
+    Weights are (n,), or none (0,) for one each.
+    """
+    if few_distinct(points, weights):
+        return FEW, np.full(5, np.nan), np.nan
+    moments, x0, y0, scale = point_sums(points, weights)
     status, ellipse, residual = fit_group(moments, x0, y0, scale, method)
     if status == OK:
-        residual = algebraic_residual(points, ellipse)
+        residual = algebraic_residual(points, weights, ellipse)
     return status, ellipse, residual

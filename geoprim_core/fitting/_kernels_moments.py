@@ -44,6 +44,24 @@ def add_moments(
 
 
 @kernel
+def add_weighted_moments(
+    points: FloatArray,
+    weights: FloatArray,
+    x0: float,
+    y0: float,
+    scale: float,
+    moments: FloatArray,
+) -> None:
+    """Add the moments of points (n, 2) with weights (n,); as `add_moments`."""
+    one = np.zeros(15)
+    for i in range(len(points)):
+        one[:] = 0.0
+        add_moments(points[i : i + 1], x0, y0, scale, one)
+        for j in range(15):
+            moments[j] += weights[i] * one[j]
+
+
+@kernel
 def shifted(moments: FloatArray, dx: float, dy: float) -> FloatArray:
     """Return the moments about an origin moved by (dx, dy), in the same unit."""
     result = np.zeros(15)

@@ -6,19 +6,25 @@ from dataclasses import dataclass
 
 import numpy.typing as npt
 
-from geoprim_core import _check
-from geoprim_core.fitting._kernels_fit import ELLIFIT, fit_points_of
-from geoprim_core.fitting._outcome import outcome
-from geoprim_core.params import Params, as_params
+from geoprim_core.fitting._kernels_arcs import fit_curve
+from geoprim_core.fitting._kernels_fit import ELLIFIT
+from geoprim_core.fitting._outcome import fit_by
+from geoprim_core.fitting.fit_params import FitParams
+from geoprim_core.params import as_params
 from geoprim_core.types import EllipseFit
 
 
 @dataclass(frozen=True)
-class EllifitParams(Params):
-    """ElliFit has no parameters."""
+class EllifitParams(FitParams):
+    """ElliFit has the limits of every fit and no parameters of its own."""
 
 
-def ellifit(points: npt.ArrayLike, *, params: EllifitParams | None = None) -> EllipseFit:
+def ellifit(
+    points: npt.ArrayLike,
+    *,
+    params: EllifitParams | None = None,
+    weights: npt.ArrayLike | None = None,
+) -> EllipseFit:
     """Fit an ellipse by linear least squares with the coefficient of y^2 fixed at 1.
 
     It is an algebraic fit, not a geometric one, and depends on how the axes are turned
@@ -35,6 +41,8 @@ def ellifit(points: npt.ArrayLike, *, params: EllifitParams | None = None) -> El
     points : (n, 2) array
         Points (x, y) in pixels, at least five distinct ones.
     params : EllifitParams, optional
+    weights : (n,) array, optional
+        Weights of at least 0, not all 0; by default 1 each.
 
     Returns
     -------
@@ -46,7 +54,7 @@ def ellifit(points: npt.ArrayLike, *, params: EllifitParams | None = None) -> El
     Raises
     ------
     InputError
-        The points are not a finite (n, 2) array.
+        The points are not a finite (n, 2) array, or the weights not (n,) of at least 0.
 
     References
     ----------
@@ -64,5 +72,5 @@ def ellifit(points: npt.ArrayLike, *, params: EllifitParams | None = None) -> El
     >>> ellifit([(y * y, y) for y in range(-5, 6)]).reason
     'the best conic is a parabola'
     """
-    as_params(params, EllifitParams)
-    return outcome(*fit_points_of(_check.points(points), ELLIFIT))
+    limits = as_params(params, EllifitParams)
+    return fit_by(fit_curve, points, weights, limits, ELLIFIT)

@@ -11,8 +11,70 @@ from geoprim_core import _check
 from geoprim_core._check import FloatArray
 from geoprim_core.errors import InputError
 from geoprim_core.fitting._kernels_distance import refine_kernel
+from geoprim_core.fitting._kernels_geometric import geometric_points
+from geoprim_core.fitting._outcome import fit_by
+from geoprim_core.fitting.fit_params import FitParams
 from geoprim_core.fitting.shape import ellipse_row
-from geoprim_core.types import Ellipse
+from geoprim_core.params import as_params, option
+from geoprim_core.types import Ellipse, EllipseFit
+
+
+@dataclass(frozen=True)
+class GeometricParams(FitParams):
+    """The steps and the cost."""
+
+    iterations: int = option(100, "largest number of steps", low=1, high=10000)
+    huber: float = option(
+        0.0, "distance beyond which a point's cost grows linearly; 0: never", unit="px", low=0.0
+    )
+
+
+def geometric(
+    points: npt.ArrayLike,
+    *,
+    params: GeometricParams | None = None,
+    weights: npt.ArrayLike | None = None,
+) -> EllipseFit:
+    """Fit the ellipse of least squared orthogonal distance by damped Gauss-Newton steps.
+
+    It starts at the direct fit or at Taubin's, whichever lies nearer to the points. Where the
+    steps do not settle, as on points of a parabola whose best ellipse has no end, the reason says
+    so. `fit_geometric` starts at an ellipse of one's own and tells the covariance and the mean
+    distance; `fit_covariance` tells the covariance of this fit.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+        Points (x, y) in pixels, at least five distinct ones.
+    params : GeometricParams, optional
+    weights : (n,) array, optional
+        Weights of at least 0, not all 0; by default 1 each.
+
+    Returns
+    -------
+    EllipseFit
+        With the conic and the residual that every method here returns, see `nsaf`.
+
+    Raises
+    ------
+    InputError
+        The points are not a finite (n, 2) array, or the weights not (n,) of at least 0.
+
+    References
+    ----------
+    W. Gander, G. H. Golub and R. Strebel, "Least-squares fitting of circles and ellipses",
+    BIT 34, 1994; the distance of thesis (4-21).
+
+    Examples
+    --------
+    >>> t = np.linspace(0, 4, 30)
+    >>> fit = geometric(np.stack([50 + 20 * np.cos(t), 40 + 10 * np.sin(t)], axis=1))
+    >>> round(fit.ellipse.semi_major, 6), round(fit.ellipse.semi_minor, 6)
+    (20.0, 10.0)
+    """
+    settings = as_params(params, GeometricParams)
+    huber = settings.huber or float("inf")
+    return fit_by(geometric_points, points, weights, settings, settings.iterations, huber)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,19 +6,25 @@ from dataclasses import dataclass
 
 import numpy.typing as npt
 
-from geoprim_core import _check
-from geoprim_core.fitting._kernels_fit import NSAF, fit_points_of
-from geoprim_core.fitting._outcome import outcome
-from geoprim_core.params import Params, as_params
+from geoprim_core.fitting._kernels_arcs import fit_curve
+from geoprim_core.fitting._kernels_fit import NSAF
+from geoprim_core.fitting._outcome import fit_by
+from geoprim_core.fitting.fit_params import FitParams
+from geoprim_core.params import as_params
 from geoprim_core.types import EllipseFit
 
 
 @dataclass(frozen=True)
-class NsafParams(Params):
-    """NSAF has no parameters."""
+class NsafParams(FitParams):
+    """NSAF has the limits of every fit and no parameters of its own."""
 
 
-def nsaf(points: npt.ArrayLike, *, params: NsafParams | None = None) -> EllipseFit:
+def nsaf(
+    points: npt.ArrayLike,
+    *,
+    params: NsafParams | None = None,
+    weights: npt.ArrayLike | None = None,
+) -> EllipseFit:
     """Fit an ellipse by least algebraic distance under 4 a c - b^2 = 1.
 
     The constraint admits ellipses only, so that points of a hyperbola or a parabola get one
@@ -31,6 +37,8 @@ def nsaf(points: npt.ArrayLike, *, params: NsafParams | None = None) -> EllipseF
     points : (n, 2) array
         Points (x, y) in pixels, at least five distinct ones.
     params : NsafParams, optional
+    weights : (n,) array, optional
+        Weights of at least 0, not all 0; by default 1 each.
 
     Returns
     -------
@@ -42,7 +50,7 @@ def nsaf(points: npt.ArrayLike, *, params: NsafParams | None = None) -> EllipseF
     Raises
     ------
     InputError
-        The points are not a finite (n, 2) array.
+        The points are not a finite (n, 2) array, or the weights not (n,) of at least 0.
 
     References
     ----------
@@ -57,5 +65,5 @@ def nsaf(points: npt.ArrayLike, *, params: NsafParams | None = None) -> EllipseF
     >>> round(fit.ellipse.semi_major, 6), round(fit.ellipse.semi_minor, 6)
     (20.0, 10.0)
     """
-    as_params(params, NsafParams)
-    return outcome(*fit_points_of(_check.points(points), NSAF))
+    limits = as_params(params, NsafParams)
+    return fit_by(fit_curve, points, weights, limits, NSAF)

@@ -22,6 +22,13 @@ from geoprim_core.synthetic.digitised import (
     flower_curve,
 )
 from geoprim_core.synthetic.discs import TARGETS, disc_scene, project_circle
+from geoprim_core.synthetic.fitting_sets import (
+    CONIC_KINDS,
+    elliptic_arc,
+    noisy_ellipse,
+    open_conic,
+    random_ellipse,
+)
 from geoprim_core.synthetic.formula_curves import FORMULA_CURVES, formula_curve
 from geoprim_core.synthetic.scene import Scene
 from geoprim_core.synthetic.shapes import (
@@ -40,6 +47,7 @@ from geoprim_core.synthetic.variants import degraded, rotated
 __all__ = [
     "ALPHAS",
     "ARRANGEMENTS",
+    "CONIC_KINDS",
     "FORMULA_CURVES",
     "SILHOUETTES",
     "SORTING_LINES",
@@ -62,10 +70,14 @@ __all__ = [
     "disc_image",
     "disc_scene",
     "ellipse_image",
+    "elliptic_arc",
     "fill_boundary",
     "flower_curve",
     "formula_curve",
+    "noisy_ellipse",
+    "open_conic",
     "project_circle",
+    "random_ellipse",
     "render_ellipses",
     "render_parity",
     "rotated",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -26,7 +27,7 @@ class Ellipse:
 
     def __post_init__(self) -> None:
         values = (self.x, self.y, self.semi_major, self.semi_minor, self.angle)
-        if not all(np.isfinite(v) for v in values):
+        if not all(map(math.isfinite, values)):
             raise InputError("ellipse", "finite numbers", str(values))
         if not self.semi_major >= self.semi_minor > 0:
             got = f"{self.semi_major} and {self.semi_minor}"
