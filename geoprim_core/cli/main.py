@@ -20,6 +20,8 @@ COMMANDS = {
     "view": "watch a bag, images or a live graph in Foxglove, with the ellipses on them",
     "bag": "tell what a bag holds, check it for damage, repair it",
     "evaluate": "score an output bag or an image folder against its ground truth",
+    "polygons": "approximate the edge contours of an image by polygons, draw them",
+    "tangents": "estimate the tangents of the contours of an image; draw their normals",
     "explain": "show every step of a detection as a picture, and why hypotheses were refused",
     "bench": "measure the speed of the chain, stage by stage",
     "bench detectors": "compare detectors, ours and others: precision, recall, F and time",
@@ -28,11 +30,11 @@ COMMANDS = {
     "bench scaling": "measure how the time grows with the image and with the number of arcs",
     "bench ros": "measure the live ROS 2 graph: latency, drops, processor time, highest rate",
     "bench polygon": "time the polygon methods beside shapely and OpenCV",
+    "bench tangents": "measure the nanoseconds a pixel of every tangent method",
     "calibrate": "check by simulation that scores are probabilities and that covariances hold",
     "reproduce polygon": "rerun the experiments of thesis chapter 2: tables, figures, claims",
     "reproduce tangent": "rerun the experiments of thesis chapter 3 with every tangent estimator",
     "reproduce fitting": "rerun the experiments of thesis 4.5: tables, figures, claims, chooser",
-    "polygons": "approximate the edge contours of an image by polygons, draw them",
     "warm": "compile the numeric kernels ahead of time",
 }
 

@@ -11,12 +11,14 @@ from geoprim_core.applications import ellipse_outlines
 from geoprim_core.errors import InputError
 from geoprim_core.io.lettering import Page, draw_caption, draw_legend
 from geoprim_core.io.shown import OverlayParams, Shown, to_show
-from geoprim_core.types import Contours, Detections, EllipseDetections, Polygons
+from geoprim_core.tangent import normals
+from geoprim_core.types import Contours, Detections, EllipseDetections, Polygons, Tangents
 
 _SHIFT = 4  # OpenCV draws at sixteenths of a pixel
 _FAR = 30_000.0  # drawing ends this many pixels outside, where coordinates still fit
 _CONTOUR = (255, 160, 60)
 _POLYGON = (80, 220, 255)
+_NORMAL = (80, 255, 80)
 _EDGE = (0.0, 0.0, 0.0)
 _VGA = 640.0
 
@@ -92,6 +94,58 @@ def draw_overlay(
     if labels:
         _draw_legend(page, outlines, shown, params, scheme)
         _write_texts(page, outlines, shown, params)
+    return canvas
+
+
+def draw_normals(
+    image: AnyArray,
+    contours: Contours,
+    tangents: Tangents,
+    *,
+    spacing: int = 5,
+    length: float = 8.0,
+) -> AnyArray:
+    """Return a copy of an image with contours and normals to the right of their way of travel.
+
+    Parameters
+    ----------
+    image : (H, W), (H, W, 3) or (H, W, 4) array, gray, BGR or BGRA
+    contours : Contours
+    tangents : Tangents
+        Of these contours.
+    spacing : int
+        Every so many pixels of a contour one normal is drawn, where it is defined.
+    length : float
+        Of a normal, in pixels; on an image larger than VGA it grows with the image.
+
+    Returns
+    -------
+    (H, W, 3) uint8 array in BGR order
+
+    Raises
+    ------
+    InputError
+        The tangents belong to other contours, or the image cannot be used.
+
+    Examples
+    --------
+    >>> line = Contours([(x, 10) for x in range(20)], [0, 20], [False])
+    >>> picture = draw_normals(np.zeros((30, 20)), line, Tangents(np.zeros(20), [0, 20]))
+    >>> picture[14, 10].argmax().tolist(), picture[6, 10].any().tolist()  # right of +x is down
+    (1, False)
+    """
+    if not np.array_equal(tangents.offsets, contours.offsets):
+        raise InputError("tangents", "the Tangents of these contours", "others")
+    canvas = displayed(image)
+    _draw_contours(canvas, contours)
+    place = np.arange(len(contours.points)) - np.repeat(
+        contours.offsets[:-1], np.diff(contours.offsets)
+    )
+    chosen = (place % spacing == 0) & ~np.isnan(tangents.angle)
+    scale = overlay_scale(canvas.shape)
+    ends = contours.points[chosen] + length * scale * normals(tangents.angle[chosen])
+    lines = np.stack([_fixed(contours.points[chosen]), _fixed(ends)], axis=1)
+    cv2.polylines(canvas, list(lines), False, _NORMAL, round(scale), cv2.LINE_AA, _SHIFT)
     return canvas
 
 
