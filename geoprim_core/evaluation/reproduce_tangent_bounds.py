@@ -172,7 +172,8 @@ def chord_ends(
 
 def _distance(eccentricity: float, latus: float, here: FloatArray, theta: FloatArray) -> FloatArray:
     there = conic_points(eccentricity, latus, theta)
-    return np.asarray(np.hypot(*(there - here).T))
+    same_branch = 1.0 - eccentricity * np.cos(theta) > 0.0
+    return np.where(same_branch, np.hypot(*(there - here).T), np.inf)
 
 
 def printed_bound(

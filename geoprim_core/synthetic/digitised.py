@@ -27,7 +27,7 @@ Curve = Callable[[FloatArray], FloatArray]
 """Parameters (n,) -> points (n, 2); closed, of period 2 pi."""
 
 _PER_PIXEL = 8  # samples a pixel of length
-_NEWTON = 3
+_NEWTON = 10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
