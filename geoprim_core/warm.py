@@ -16,6 +16,8 @@ def warm_kernels(schemes: Iterable[str] | None = None) -> None:
     from geoprim_core.fitting import TABLE as FITTERS
     from geoprim_core.fitting import fit_ellipse
     from geoprim_core.synthetic import disc_image
+    from geoprim_core.tangent import TABLE as TANGENTS
+    from geoprim_core.tangent import curvatures
 
     image = disc_image(96, 80, centre=(48.0, 40.0), radius=25.0)
     for scheme in [row.name for row in TABLE] if schemes is None else schemes:
@@ -23,3 +25,7 @@ def warm_kernels(schemes: Iterable[str] | None = None) -> None:
     points = [(30 + 20 * c, 30 + 10 * s) for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1), (0.6, 0.8))]
     for row in FITTERS:
         fit_ellipse(points, row.name)
+    corner = [(i, 0) for i in range(25)] + [(24, i) for i in range(1, 25)] + [(25, 25)]
+    for row in TANGENTS:
+        row.function(corner, closed=False, params=None)
+    curvatures(corner, "deb")

@@ -9,13 +9,15 @@ from geoprim_core import _check
 from geoprim_core._check import AnyArray, BoolArray, FloatArray
 from geoprim_core.applications import ellipse_outlines
 from geoprim_core.errors import InputError
-from geoprim_core.types import Contours, Detections, EllipseDetections, Polygons
+from geoprim_core.tangent import normals
+from geoprim_core.types import Contours, Detections, EllipseDetections, Polygons, Tangents
 
 _SHIFT = 4  # OpenCV draws at sixteenths of a pixel
 _FAR = 30_000.0  # drawing ends this many pixels outside, where coordinates still fit
 _FONT = cv2.FONT_HERSHEY_SIMPLEX
 _CONTOUR = (255, 160, 60)
 _POLYGON = (80, 220, 255)
+_NORMAL = (80, 255, 80)
 # Colours of the scores 0, 1/2 and 1: blue, green and red channels.
 _RAMP = ((255.0, 0.0, 60.0), (40.0, 220.0, 255.0), (255.0, 255.0, 40.0))
 
@@ -83,6 +85,58 @@ def draw_overlay(
         _draw_found(canvas, detections, labels)
     if caption:
         _write(canvas, caption, (4.0, 4.0 + 14.0 * _scale(canvas)), (255, 255, 255))
+    return canvas
+
+
+def draw_normals(
+    image: AnyArray,
+    contours: Contours,
+    tangents: Tangents,
+    *,
+    spacing: int = 5,
+    length: float = 8.0,
+) -> AnyArray:
+    """Return a copy of an image with contours and normals to the right of their way of travel.
+
+    Parameters
+    ----------
+    image : (H, W), (H, W, 3) or (H, W, 4) array, gray, BGR or BGRA
+    contours : Contours
+    tangents : Tangents
+        Of these contours.
+    spacing : int
+        Every so many pixels of a contour one normal is drawn, where it is defined.
+    length : float
+        Of a normal, in pixels; on an image wider than 1600 it grows with the image.
+
+    Returns
+    -------
+    (H, W, 3) uint8 array in BGR order
+
+    Raises
+    ------
+    InputError
+        The tangents belong to other contours, or the image cannot be used.
+
+    Examples
+    --------
+    >>> line = Contours([(x, 10) for x in range(20)], [0, 20], [False])
+    >>> picture = draw_normals(np.zeros((30, 20)), line, Tangents(np.zeros(20), [0, 20]))
+    >>> picture[14, 10].argmax().tolist(), picture[6, 10].any().tolist()  # right of +x is down
+    (1, False)
+    """
+    if not np.array_equal(tangents.offsets, contours.offsets):
+        raise InputError("tangents", "the Tangents of these contours", "others")
+    canvas = _canvas(image)
+    _draw_contours(canvas, contours)
+    place = np.arange(len(contours.points)) - np.repeat(
+        contours.offsets[:-1], np.diff(contours.offsets)
+    )
+    chosen = (place % spacing == 0) & ~np.isnan(tangents.angle)
+    ends = contours.points[chosen] + length * _scale(canvas) * normals(tangents.angle[chosen])
+    lines = np.stack([_fixed(contours.points[chosen]), _fixed(ends)], axis=1)
+    thickness = round(_scale(canvas))
+    cv2.polylines(canvas, list(lines), False, _NORMAL, thickness, cv2.LINE_AA, _SHIFT)
     return canvas
 
 

@@ -13,6 +13,8 @@ from geoprim_core.params import Params, as_params, option
 from geoprim_core.tangent._kernels_deb import deb_chords, deb_curvature
 from geoprim_core.tangent.pencils import pencils_of
 
+_LEAST_RADIUS = 3.0
+
 
 @dataclass(frozen=True)
 class DebParams(Params):
@@ -127,8 +129,11 @@ def radii_of(points: npt.ArrayLike, params: DebParams, *, closed: bool = False) 
     A longer chord has a smaller digital error, of about 1 / R, and a larger analytical one,
     |d kappa / ds| R^2 / 6 (errata T2). With d kappa / ds of about 1 / rho^2, which an ellipse of
     aspect 2 reaches, the sum is least for R^3 = 3 rho^2. The radius of curvature rho comes from
-    the maximal segments at the pixel: of L pixels, one pixel high, they fit a circle of
-    rho = L^2 / 8. R stays below the tolerance times rho, as in (3-32), and above 2.
+    the maximal segments at the pixel: a segment of L pixels, one pixel high, fits a circle of
+    rho = L^2 / 8. L - 1 is the shorter one of the ways to the first pixel of the first segment
+    and to the last pixel of the last (`half_windows`, choice 11), as the chord has to stay where
+    the curve bends no more than at its pixel. R is below the tolerance times rho, as in (3-32),
+    but 3 at least, the thesis' rule of thumb for the smallest circle of an image (3.4.3).
 
     Parameters
     ----------
@@ -159,13 +164,12 @@ def radii_of(points: npt.ArrayLike, params: DebParams, *, closed: bool = False) 
     [4.0]
     >>> line = [(i, 0) for i in range(20)]
     >>> radii_of(line, DebParams(radius_rule="auto")).round(2)[[0, 10]].tolist()
-    [6.89, 6.89]
+    [3.0, 6.25]
     """
     if params.radius_rule != "auto":
         return fixed_radius(params)
     back, ahead = pencils_of(points, closed=closed).reaches()
-    length = 0.5 * (back + ahead) + 1.0
-    rho = length**2 / 8.0
+    rho = (np.minimum(back, ahead) + 1.0) ** 2 / 8.0
     chosen = np.minimum(np.cbrt(3.0 * rho**2), params.tolerance * rho)
-    radii: FloatArray = np.maximum(chosen, 2.0)
+    radii: FloatArray = np.maximum(chosen, _LEAST_RADIUS)
     return radii

@@ -33,6 +33,16 @@ def rows_of(path):
         return list(csv.DictReader(file))
 
 
+def test_tangents_are_timed(tmp_path, capsys):
+    words = ["bench", "tangents", "--methods", "deb", "epf_h3", "--sizes", "200", "--repeat", "1"]
+    assert main([*words, "--output", str(tmp_path), "--quiet"]) == 0
+    table = (tmp_path / "tangents.md").read_text()
+    assert table in capsys.readouterr().out
+    rows = [line.split("|")[1:3] for line in table.splitlines()[2:]]
+    assert [name.strip() for name, _ in rows] == ["deb", "epf_h3"]
+    assert all(float(nanoseconds.replace(",", "")) > 0 for _, nanoseconds in rows)
+
+
 def test_detectors_are_compared_over_a_folder_and_a_set(folder, tmp_path, capsys):
     words = ["bench", "detectors", folder, "--sets", "circles_clean", "occluded_filled"]
     words += ["--count", 2, "--schemes", "refined", "3", "--peer", CONTOURS, "--repeat", 1]

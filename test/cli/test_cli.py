@@ -1,5 +1,6 @@
 """The command line: what it prints, what it refuses, and that a refusal is one line."""
 
+import csv
 import json
 
 import numpy as np
@@ -122,6 +123,30 @@ def test_every_parameter_is_an_option_with_its_range(capsys):
     text = " ".join(capsys.readouterr().out.split())
     for option in DetectorParams.options():
         assert f"--{option.name}" in text
+
+
+def test_tangents_draws_normals_and_writes_angles(disc, tmp_path, capsys):
+    words = ["tangents", disc, "--method", "deb", "--radius", 5, "-o", tmp_path / "normals.png"]
+    assert main([str(w) for w in [*words, "--csv", tmp_path / "angles.csv"]]) == 0
+    assert "1 contours" in capsys.readouterr().out
+    with (tmp_path / "angles.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    drawn = read_image(tmp_path / "normals.png")[:, :, :3].astype(int)
+    green = np.argwhere((drawn[:, :, 1] - drawn[:, :, 0] > 60) & (drawn[:, :, 1] > 200))
+    points = np.array([(float(row["x"]), float(row["y"])) for row in rows])
+    centre = points.mean(axis=0)
+    angle = np.array([float(row["angle"]) for row in rows])
+    across = np.abs(np.sum((points - centre) * np.stack([np.cos(angle), np.sin(angle)], 1), axis=1))
+    assert (across < 0.25 * np.hypot(*(points - centre).T)).all()  # on a circle: perpendicular
+    assert len(green) > 20
+    reach = np.hypot(green[:, 1] - centre[0], green[:, 0] - centre[1])
+    radius = np.hypot(*(points - centre).T).mean()
+    assert (np.abs(reach - radius) < 10).all()
+
+
+def test_tangents_refuses_the_parameter_of_another_method(disc, capsys):
+    assert main(["tangents", str(disc), "--method", "lr1", "--radius", "5"]) == 2
+    assert "radius" in capsys.readouterr().err
 
 
 def test_calibrate_judges_scores_and_covariances(tmp_path, capsys):
