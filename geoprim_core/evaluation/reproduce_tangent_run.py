@@ -114,7 +114,7 @@ def run_experiments(
     found = Results(
         sensitivities(),
         list(bound_rows(extent.conics)),
-        walk_rows(seed),
+        walk_rows(seed, extent.grid),
         sweep,
         controls,
         rows,
