@@ -10,6 +10,7 @@ from geoprim_core.ecc.tangents import arc_tangents
 from geoprim_core.errors import InputError, ParameterError
 from geoprim_core.evaluation.tangent_speed import pixel_circle
 from geoprim_core.io.drawing import draw_normals
+from geoprim_core.synthetic.boundaries import trace_boundary
 from geoprim_core.tangent import (
     CURVATURES,
     TABLE,
@@ -202,6 +203,20 @@ def test_lambda_mst_is_the_mean_of_the_pencil_weighted_by_the_triangle(floor):
             weight = floor + 1.0 - abs(2.0 * e - 1.0)
             total += weight * np.array([np.cos(segments.angle[k]), np.sin(segments.angle[k])])
         assert found[i] == pytest.approx(np.arctan2(total[1], total[0]), abs=1e-12)
+
+
+@pytest.mark.parametrize("method", ["lambda_mst", "lambda_msg"])
+@pytest.mark.parametrize("semi_minor", [60.0, 30.0, 14.0])
+def test_segments_in_the_way_of_travel_make_no_errors_of_90_degrees(method, semi_minor):
+    """Errata T5: the thesis prints such errors for eccentricities up to 0.99."""
+    y, x = np.mgrid[-105:106, -105:106]
+    border = trace_boundary(((x - 0.3) / 100) ** 2 + ((y + 0.2) / semi_minor) ** 2 <= 1.0)
+    u, v = (border - [105.3, 104.8]).T
+    truth = np.arctan2(u / 100**2, -v / semi_minor**2)
+    angle = TABLE[method].function(border, closed=True, params=None)
+    error = np.abs((angle - truth + np.pi) % (2 * np.pi) - np.pi)
+    assert error.max() < np.radians(30)
+    assert error.mean() < np.radians(1)
 
 
 # DEB's radius
