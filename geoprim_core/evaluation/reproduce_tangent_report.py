@@ -200,6 +200,9 @@ def chooser_markdown(results: Results, extent: Extent, seed: int) -> str:
 
 
 _ADVICE = """\
+- `lr1` to `lr5`: regression of this order; `epf`, `ipf`, `icipf`: parabolae; `matas`: median;
+  `lambda_mst`, `lambda_msg`: maximal segments. `_h10` to `_h4` choose Q at each pixel, or for the
+  curve, from maximal segments (`geoprim_core.tangent.hybrid`).
 - In brackets: R of DEB, Q of the others, chosen for that family on other curves. On small and large
   shapes (circle, ellipse of e = 0.8 and flower of n = 3 together) R and Q keep their defaults, but
   for the rules of DEB in rho, the radius of the smallest circle of curvature.
