@@ -25,6 +25,7 @@ from geoprim_core.evaluation.reproduce_tangent_run import (
     task_count,
 )
 from geoprim_core.plotting.tangents import tangent_figures
+from geoprim_core.tangent import TABLE
 
 _QUICK = 3
 
@@ -35,6 +36,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--count", type=int, help="curves a setting, 100 eccentricities among them (100)"
     )
     parser.add_argument("--quick", action="store_true", help=f"the same as --count {_QUICK}")
+    parser.add_argument(
+        "--methods",
+        nargs="+",
+        default=TABLE.names,
+        metavar="METHOD",
+        help="only these and deb (all)",
+    )
     parser.add_argument("--seed", type=int, default=0, help="seed of the curves' centres (0)")
     parser.add_argument("--workers", type=int, help="processes (one a processor)")
     parser.add_argument(
@@ -48,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print which claims are reproduced; write report, tables and plots where asked to."""
-    extent = Extent.of(_count(arguments))
+    extent = Extent.of(_count(arguments), arguments.methods)
     started = time.perf_counter()
     results = _results(arguments, extent)
     seconds = time.perf_counter() - started

@@ -53,7 +53,7 @@ class Task:
         return measure(self.name or self.family, setting, self.entrants, curves)
 
 
-def sweep_tasks(count: int, seed: int) -> Iterator[Task]:
+def sweep_tasks(count: int, seed: int, methods: Sequence[str] = TABLE.names) -> Iterator[Task]:
     """Yield the tasks of Figure 3.6-1(c), for each family: every R and Q, on curves of their own.
 
     Examples
@@ -61,8 +61,8 @@ def sweep_tasks(count: int, seed: int) -> Iterator[Task]:
     >>> {task.name for task in sweep_tasks(1, 0)} == {f"sweep {family}" for family in SETTINGS}
     True
     """
-    methods = [method for method in TABLE.names if control_of(method)]
-    entrants = tuple(with_control(m, value) for m in methods for value in CONTROL_VALUES)
+    tuned = [method for method in methods if control_of(method)]
+    entrants = tuple(with_control(m, value) for m in tuned for value in CONTROL_VALUES)
     chosen = {"ellipse": (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)}
     for family, settings in SETTINGS.items():
         few = max(count // len(chosen.get(family, settings)), 1)
@@ -91,8 +91,10 @@ def best_controls(rows: Iterable[Row]) -> dict[tuple[str, str], float]:
     return {key: value for key, (_, value) in best.items()}
 
 
-def entrants_of(family: str, controls: Mapping[tuple[str, str], float]) -> tuple[Entrant, ...]:
-    """Return every row of the table once, at its best control value, then DEB's other choices.
+def entrants_of(
+    family: str, controls: Mapping[tuple[str, str], float], methods: Sequence[str] = TABLE.names
+) -> tuple[Entrant, ...]:
+    """Return every method once, at its best control value, then DEB's other choices.
 
     Examples
     --------
@@ -100,7 +102,7 @@ def entrants_of(family: str, controls: Mapping[tuple[str, str], float]) -> tuple
     ['deb(20)', 'deb(10)']
     """
     found = []
-    for method in TABLE.names:
+    for method in methods:
         value = controls.get((family, method))
         found.append(Entrant(method, method) if value is None else with_control(method, value))
         if method == "deb":
@@ -118,7 +120,10 @@ def _deb_choices(best: int | None) -> list[Entrant]:
 
 
 def family_tasks(
-    controls: Mapping[tuple[str, str], float], count: int, seed: int
+    controls: Mapping[tuple[str, str], float],
+    count: int,
+    seed: int,
+    methods: Sequence[str] = TABLE.names,
 ) -> Iterator[Task]:
     """Yield the tasks of 3.6.3 to 3.6.5: all entrants on every setting of every family.
 
@@ -128,12 +133,14 @@ def family_tasks(
     108
     """
     for family, settings in SETTINGS.items():
-        entrants = entrants_of(family, controls)
+        entrants = entrants_of(family, controls, methods)
         for setting in settings:
             yield Task(family, setting, entrants, count, seed)
 
 
-def grid_tasks(count: int, seed: int, sizes: Sequence[int] = SIZES) -> Iterator[Task]:
+def grid_tasks(
+    count: int, seed: int, sizes: Sequence[int] = SIZES, methods: Sequence[str] = TABLE.names
+) -> Iterator[Task]:
     """Yield the tasks on finer and finer grids: shapes of growing size in pixels.
 
     Rows keep their default control values. DEB also follows three rules in the radius rho of the
@@ -150,13 +157,13 @@ def grid_tasks(count: int, seed: int, sizes: Sequence[int] = SIZES) -> Iterator[
     for family, setting in settings.items():
         for size in sizes:
             rho = shares[family] * size
-            entrants = (*_at_defaults(), *_scaled_deb(rho))
+            entrants = (*_at_defaults(methods), *_scaled_deb(rho))
             few = max(1, min(count, count * 200 // size))
             yield Task(family, setting, entrants, few, seed, float(size), f"grid {family}")
 
 
-def _at_defaults() -> list[Entrant]:
-    return [Entrant(method, method) for method in TABLE.names if method != "deb"]
+def _at_defaults(methods: Sequence[str]) -> list[Entrant]:
+    return [Entrant(method, method) for method in methods if method != "deb"]
 
 
 def _scaled_deb(rho: float) -> list[Entrant]:

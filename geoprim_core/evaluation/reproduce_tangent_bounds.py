@@ -172,7 +172,8 @@ def chord_ends(
 
 def _distance(eccentricity: float, latus: float, here: FloatArray, theta: FloatArray) -> FloatArray:
     there = conic_points(eccentricity, latus, theta)
-    return np.asarray(np.hypot(*(there - here).T))
+    same_branch = 1.0 - eccentricity * np.cos(theta) > 0.0
+    return np.where(same_branch, np.hypot(*(there - here).T), np.inf)
 
 
 def printed_bound(
@@ -196,6 +197,9 @@ def bound_row(
 ) -> BoundRow:
     """Compare errors and bounds at points spread over the polar angles of a conic.
 
+    Each point has a grid of its own, turned and shifted, so that the family is seen in every
+    direction: a hyperbola of great eccentricity is nearly a line.
+
     Parameters
     ----------
     family, value
@@ -212,10 +216,10 @@ def bound_row(
     """
     theta = _places(*conic, places)
     back, ahead = chord_ends(*conic, theta, radius)
-    first, second = conic_points(*conic, back), conic_points(*conic, ahead)
-    tangent = _tangent(*conic, theta)
-    shift = np.array([0.31, 0.17])  # no axis of the conic on a line of the grid
-    rounded = np.floor(second + shift + 0.5) - np.floor(first + shift + 0.5)
+    first, second, tangent = _on_grids(
+        conic_points(*conic, back), conic_points(*conic, ahead), _tangent(*conic, theta)
+    )
+    rounded = np.floor(second + 0.5) - np.floor(first + 0.5)
     analytic, total = line_angle(second - first, tangent), line_angle(rounded, tangent)
     digital = line_angle(rounded, np.arctan2(*(second - first).T[::-1]))
     limit = _analytic_limit(conic, back, ahead, radius)
@@ -246,6 +250,24 @@ def bound_row(
 
 def _printed_digital(chords: FloatArray) -> FloatArray:
     return np.array([slope_bound((0.0, 0.0), chord, "thesis") for chord in chords])
+
+
+def _on_grids(
+    first: FloatArray, second: FloatArray, tangent: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return P1, P2 and the tangents turned and shifted, differently at each place.
+
+    Multiples of irrational shares of a turn and of a pixel spread evenly.
+    """
+    k = np.arange(len(tangent))
+    turn = 2.0 * np.pi * (k * (0.5 * np.sqrt(5.0) - 0.5) % 1.0)
+    shift = np.stack([k * np.sqrt(2.0) % 1.0, k * np.sqrt(3.0) % 1.0], axis=1)
+    c, s = np.cos(turn), np.sin(turn)
+    turned = [
+        np.stack([c * p[:, 0] - s * p[:, 1], s * p[:, 0] + c * p[:, 1]], axis=1) + shift
+        for p in (first, second)
+    ]
+    return turned[0], turned[1], tangent + turn
 
 
 def _places(eccentricity: float, latus: float, count: int) -> FloatArray:

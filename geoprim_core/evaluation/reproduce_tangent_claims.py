@@ -191,8 +191,8 @@ def _parabolas_below_six(results: Results) -> Claim:
     curves = [c for c in (_curve(results, "epf"), _curve(results, "ipf")) if c]
     text = "For R = Q <= 6 EPF and IPF are also better than DEB on circles"
     holds = all(curve[v] < deb[v] for curve in curves for v in curve if v <= 6)
-    figures = [f"at 4: {deb[4]:.2f} against " + ", ".join(f"{c[4]:.2f}" for c in curves)]
-    return make_claim("3.6.3", text, holds, figures if curves else [])
+    figures = [f"at 4: {curve[4]:.2f} against {deb[4]:.2f} of DEB" for curve in curves]
+    return make_claim("3.6.3", text, holds, figures)
 
 
 def _place(rows: dict[str, Row], label: str, name: str) -> int:

@@ -12,6 +12,7 @@ from typing import Any
 
 from geoprim_core._check import FloatArray
 from geoprim_core.evaluation.reproduce_tangent import (
+    SIZES,
     Task,
     best_controls,
     entrants_of,
@@ -27,6 +28,7 @@ from geoprim_core.evaluation.reproduce_tangent_bounds import (
 )
 from geoprim_core.evaluation.reproduce_tangent_walk import WalkRow, walk_rows
 from geoprim_core.evaluation.tangent_errors import Row, errors_by_direction
+from geoprim_core.tangent import TABLE
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,24 +58,33 @@ class Results:
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """How much a run measures: curves a setting, conics a family, curves a grid, sizes."""
+    """How much a run measures: curves a setting, conics a family, curves a grid, sizes, methods."""
 
     count: int = 100
     conics: int = 200
     grid: int = 10
-    sizes: tuple[int, ...] = (25, 50, 100, 200, 400, 800)
+    sizes: tuple[int, ...] = SIZES
+    methods: tuple[str, ...] = TABLE.names
 
     @classmethod
-    def of(cls, count: int) -> Extent:
+    def of(cls, count: int, methods: Sequence[str] = TABLE.names) -> Extent:
         """Return the extent of a run with `count` curves a setting; the rest shrinks with it.
+
+        DEB is always among the methods.
+
+        Raises
+        ------
+        ParameterError
+            A method is unknown.
 
         Examples
         --------
         >>> Extent.of(100) == Extent(), Extent.of(2).sizes
         (True, (25, 50, 100))
         """
-        sizes = cls().sizes if count >= 10 else cls().sizes[:3]
-        return cls(count, max(2 * count, 4), max(count // 10, 1), sizes)
+        names = tuple(TABLE[name].name for name in dict.fromkeys(("deb", *methods)))
+        sizes = SIZES if count >= 10 else SIZES[:3]
+        return cls(count, max(2 * count, 4), max(count // 10, 1), sizes, names)
 
 
 def run_experiments(
@@ -95,19 +106,20 @@ def run_experiments(
     >>> task_count(Extent.of(1)) > 100
     True
     """
-    sweep = _measured(list(sweep_tasks(min(extent.count, 20), seed)), workers, step)
+    names = extent.methods
+    sweep = _measured(list(sweep_tasks(min(extent.count, 20), seed, names)), workers, step)
     controls = best_controls(sweep)
-    rows = _measured(list(family_tasks(controls, extent.count, seed)), workers, step)
-    grid = _measured(list(grid_tasks(extent.grid, seed, extent.sizes)), workers, step)
+    rows = _measured(list(family_tasks(controls, extent.count, seed, names)), workers, step)
+    grid = _measured(list(grid_tasks(extent.grid, seed, extent.sizes, names)), workers, step)
     found = Results(
         sensitivities(),
         list(bound_rows(extent.conics)),
-        walk_rows(seed),
+        walk_rows(seed, extent.grid),
         sweep,
         controls,
         rows,
         grid,
-        errors_by_direction(entrants_of("circle", controls), extent.count, seed),
+        errors_by_direction(entrants_of("circle", controls, names), extent.count, seed),
     )
     step()
     return found

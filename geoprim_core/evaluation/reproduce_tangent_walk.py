@@ -53,15 +53,16 @@ def walk_row(rho: float, radius: float, seed: int, count: int = 10) -> WalkRow:
     return WalkRow(rho, radius, len(error), worst, int((error > limit).sum()), int(beyond.sum()))
 
 
-def walk_rows(seed: int) -> list[WalkRow]:
-    """Return rows for circles of radius 20 to 320 and all of `RADII`.
+def walk_rows(seed: int, count: int = 10) -> list[WalkRow]:
+    """Return rows for circles of radius 20 to 320, `count` of each, and all of `RADII`.
 
     Examples
     --------
-    >>> sum(row.beyond_walk for row in walk_rows(0))
+    >>> sum(row.beyond_walk for row in walk_rows(0, count=1))
     0
     """
-    return [walk_row(rho, r, seed) for rho in (20.0, 40.0, 80.0, 160.0, 320.0) for r in RADII]
+    sizes = (20.0, 40.0, 80.0, 160.0, 320.0)
+    return [walk_row(rho, radius, seed, count) for rho in sizes for radius in RADII]
 
 
 def _pixel_chords(points: FloatArray, radius: float) -> FloatArray:

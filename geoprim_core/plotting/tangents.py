@@ -84,8 +84,11 @@ def _styles(labels: Iterable[str]) -> dict[str, dict[str, Any]]:
     return found
 
 
-def _plain_numbers(axis: Any) -> None:
-    """Write the numbers of a logarithmic axis without powers, the big steps only."""
+def _plain_numbers(axis: Any, subs: tuple[int, ...] = (1, 2, 5)) -> None:
+    """Write numbers without powers at these multiples of the powers of a logarithmic axis."""
+    from matplotlib.ticker import LogLocator
+
+    axis.set_major_locator(LogLocator(subs=subs))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter("")
 
@@ -143,7 +146,7 @@ def plot_bounds(results: Results, radius: float = 10.0) -> Any:
             axes.plot([r.value for r in rows], shown, color=colour, linestyle=line, label=label)
         axes.set(xscale="log", yscale="log", xlabel=name, title=f"{family}, R = {radius:g}")
         axes.set_ylim(1e-6, 20.0)
-        _plain_numbers(axes.xaxis)
+        _plain_numbers(axes.xaxis, (1, 2, 5) if family == "parabolae" else (1,))
         axes.grid(alpha=0.3)
     figure.axes[0].set_ylabel("degrees")
     figure.axes[0].legend(fontsize=8)

@@ -27,7 +27,7 @@ Curve = Callable[[FloatArray], FloatArray]
 """Parameters (n,) -> points (n, 2); closed, of period 2 pi."""
 
 _PER_PIXEL = 8  # samples a pixel of length
-_NEWTON = 3
+_NEWTON = 10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -244,7 +244,7 @@ def _nearest(
     """Return the parameters of the nearest points, within a pixel along the curve."""
     step = 1.0 / (_PER_PIXEL * np.hypot(*derivative(crossing).T))
     best, least = crossing, np.full(len(pixels), np.inf)
-    for k in range(-_PER_PIXEL, _PER_PIXEL + 1):
+    for k in range(-_PER_PIXEL, _PER_PIXEL + 1, 2):
         place = crossing + k * step
         far = ((curve(place) - pixels) ** 2).sum(axis=1)
         best, least = np.where(far < least, place, best), np.minimum(far, least)

@@ -1,4 +1,4 @@
-"""`geoprim reproduce polygon`: claims printed, report, rows and figures written."""
+"""`geoprim reproduce`: claims printed; report, rows and figures written."""
 
 import csv
 
@@ -28,3 +28,26 @@ def test_a_folder_of_chain_codes_rows_and_images_is_rerun(tmp_path, capsys):
 def test_a_folder_that_is_not_there_is_one_line(tmp_path, capsys):
     assert main(["reproduce", "polygon", str(tmp_path / "nowhere")]) == 2
     assert "no such folder" in capsys.readouterr().err
+
+
+def test_chapter_three_is_rerun_with_chosen_methods(tmp_path, capsys):
+    out, page = tmp_path / "out", tmp_path / "docs" / "tangents.md"
+    words = ["reproduce", "tangent", "--count", "1", "--methods", "lambda_mst", "--workers", "1"]
+    words += ["--quiet", "-o", out, "--chooser", page]
+    assert main([str(word) for word in words]) == 0
+    printed = capsys.readouterr().out
+    assert "exceeded at 0 of" in printed
+    assert "DEB, R = 10, is better in the mean than lambda-MST" in printed
+    report = (out / "report.md").read_text()
+    assert report.count("## Ranking") == 3
+    assert "`lambda_mst`" in page.read_text()
+    with (out / "rows.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert {row["setting"] for row in rows if row["family"] == "flower"} == set("1234567")
+    for stem in ("bounds", "convergence", "ellipses", "flowers", "isotropy", "ranking", "sweep"):
+        assert (out / f"{stem}.png").stat().st_size > 10_000
+
+
+def test_a_count_of_nothing_is_refused(capsys):
+    assert main(["reproduce", "tangent", "--count", "-3"]) == 2
+    assert "--count" in capsys.readouterr().err
