@@ -1,5 +1,8 @@
 """The rerun of chapter 2: rows, claims with a known answer, chain codes, published rows."""
 
+import doctest
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -98,6 +101,12 @@ def test_claims_on_images_compare_the_methods():
     sets = [row("Masood(0.9)", 2.0), row("Masood(mod)", 1.0)]
     sets += [row("Carmona(0.45)", 1.0), row("Carmona(mod)", 2.0), row("PRO(0.2)", 0.1)]
     assert [claim.holds for claim in check_images(sets)] == [True, False, True]
+
+
+def test_the_page_on_polygons_computes_what_it_says():
+    page = Path(__file__).resolve().parents[2] / "docs" / "polygon.md"
+    failed, tried = doctest.testfile(str(page), module_relative=False)
+    assert failed == 0 and tried > 8
 
 
 def test_printed_rows_are_beside_the_rows_of_their_scale_only():
