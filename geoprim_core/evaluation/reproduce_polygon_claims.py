@@ -88,11 +88,17 @@ def _table(rows: Sequence[Row], name: str, label: str) -> dict[str, float]:
 
 
 def _deviation_of_rdp_mod(rows: Sequence[Row]) -> Claim:
-    values = list(_table(rows, "max_deviation", "RDP(mod)").values())
-    text = "MD of RDP(mod) lies between 1.20 and 1.53 px on every curve"
+    return _deviation_between(rows, "2.5.1.3", "RDP(mod)", 1.20, 1.53)
+
+
+def _deviation_between(
+    rows: Sequence[Row], section: str, label: str, low: float, high: float
+) -> Claim:
+    values = list(_table(rows, "max_deviation", label).values())
+    text = f"MD of {label} lies between {low:.2f} and {high:.2f} px on every curve"
     figures = [f"{min(values):.2f} to {max(values):.2f} px"] if values else []
-    holds = bool(values) and min(values) >= 1.195 and max(values) <= 1.535
-    return _claim("2.5.1.3", text, holds, figures)
+    holds = bool(values) and min(values) >= low - 0.005 and max(values) <= high + 0.005
+    return _claim(section, text, holds, figures)
 
 
 def _rdp_mod_between(rows: Sequence[Row]) -> Claim:
@@ -118,11 +124,7 @@ def _reliability_below_precision(rows: Sequence[Row]) -> Claim:
 
 
 def _deviation_of_masood_mod(rows: Sequence[Row]) -> Claim:
-    values = list(_table(rows, "max_deviation", "Masood(mod)").values())
-    text = "MD of Masood(mod) lies between 0.79 and 1.27 px on every curve"
-    figures = [f"{min(values):.2f} to {max(values):.2f} px"] if values else []
-    holds = bool(values) and min(values) >= 0.785 and max(values) <= 1.275
-    return _claim("2.5.2.3", text, holds, figures)
+    return _deviation_between(rows, "2.5.2.3", "Masood(mod)", 0.79, 1.27)
 
 
 def _masood_mod_and_its_original(rows: Sequence[Row]) -> Claim:
