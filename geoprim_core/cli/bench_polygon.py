@@ -8,7 +8,12 @@ from pathlib import Path
 
 from geoprim_core.cli.benchmark_images import write_files
 from geoprim_core.errors import InputError
-from geoprim_core.evaluation.polygon_speed import PEERS, WORKLOADS, measure_polygons
+from geoprim_core.evaluation.polygon_speed import (
+    PEERS,
+    WORKLOADS,
+    measure_optimal,
+    measure_polygons,
+)
 from geoprim_core.polygon import TABLE
 
 
@@ -48,6 +53,8 @@ def run(arguments: argparse.Namespace) -> int:
     chosen = {names[k - 1]: WORKLOADS[names[k - 1]] for k in arguments.workloads}
     times = measure_polygons(arguments.methods, chosen, pythons, arguments.repeat)
     markdown = times.markdown()
+    if "optimal" in arguments.methods:
+        markdown += "\n" + measure_optimal(repeat=arguments.repeat)
     print(markdown, end="")
     if arguments.output is not None:
         write_files(arguments.output, {"polygon_speed.md": lambda path: path.write_text(markdown)})

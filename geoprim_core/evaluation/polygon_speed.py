@@ -14,7 +14,7 @@ import numpy as np
 
 from geoprim_core._check import FloatArray
 from geoprim_core.evaluation.speed import one_processor
-from geoprim_core.polygon import TABLE, approximate
+from geoprim_core.polygon import TABLE, OptimalParams, approximate, optimal
 from geoprim_core.types import Contours
 
 # Peer -> the statements that make `run`, a call without arguments, from `curves`, a list of (n, 2)
@@ -57,19 +57,20 @@ def outlines(count: int = 1000, seed: int = 0) -> Contours:
     (True, True)
     """
     generator = np.random.default_rng(seed)
-    curves = []
-    for pixels in generator.integers(100, 600, count):
-        t = np.linspace(0.0, 2.0 * np.pi, 40 * pixels, endpoint=False)
-        radius = np.full(len(t), pixels / 6.5)
-        for lobes in range(2, 7):
-            phase = generator.uniform(0.0, 2.0 * np.pi)
-            radius += (
-                pixels / 6.5 * generator.uniform(0.0, 0.25) / lobes * np.cos(lobes * t + phase)
-            )
-        outline = np.rint(np.stack([radius * np.cos(t), radius * np.sin(t)], axis=1))
-        curves.append(outline[(outline != np.roll(outline, 1, axis=0)).any(axis=1)])
+    curves = [_outline(int(n), generator) for n in generator.integers(100, 600, count)]
     offsets = np.cumsum([0, *map(len, curves)])
     return Contours(np.concatenate(curves), offsets, np.ones(count, bool))
+
+
+def _outline(pixels: int, generator: np.random.Generator) -> FloatArray:
+    t = np.linspace(0.0, 2.0 * np.pi, 40 * pixels, endpoint=False)
+    radius = np.full(len(t), pixels / 6.5)
+    for lobes in range(2, 7):
+        phase = generator.uniform(0.0, 2.0 * np.pi)
+        radius += pixels / 6.5 * generator.uniform(0.0, 0.25) / lobes * np.cos(lobes * t + phase)
+    outline = np.rint(np.stack([radius * np.cos(t), radius * np.sin(t)], axis=1))
+    distinct: FloatArray = outline[(outline != np.roll(outline, 1, axis=0)).any(axis=1)]
+    return distinct
 
 
 def long_wave(count: int = 100_000) -> FloatArray:
@@ -105,6 +106,14 @@ WORKLOADS: dict[str, Callable[[], Contours]] = {
     "comb, 100,000": lambda: _one(comb()),
     "spiral, 100,000": lambda: _one(spiral()),
 }
+
+
+LONGEST = {"optimal": 10_000}
+"""Pixels of the longest curve that a method is timed on: an exact polygon refuses more states."""
+_ENOUGH = 5.0  # seconds of one method on one workload after which it is not run again
+
+OPTIMAL_CASES = ((600, 40), (5000, 40), (5000, 300))
+"""Pixels of a closed outline, and N: the lengths at which an exact polygon is asked for."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,14 +174,43 @@ def measure_polygons(
 
 
 def _time_method(method: str, contours: Contours, repeat: int) -> float:
-    best = np.inf
+    """Return the least seconds; NaN where a curve is too long for the method."""
+    if np.diff(contours.offsets).max() > LONGEST.get(method, np.inf):
+        return float("nan")
+    return _least_time(lambda: approximate(contours, method), repeat)
+
+
+def _least_time(run: Callable[[], object], repeat: int) -> float:
+    best, begin = np.inf, time.perf_counter()
     for _ in range(repeat):
         start = time.perf_counter()
-        approximate(contours, method)
+        run()
         best = min(best, time.perf_counter() - start)
-        if best > 5.0:
+        if time.perf_counter() - begin > _ENOUGH:
             break
     return float(best)
+
+
+def measure_optimal(
+    cases: Sequence[tuple[int, int]] = OPTIMAL_CASES, repeat: int = 5, seed: int = 0
+) -> str:
+    """Return a Markdown table: milliseconds of the polygon of N vertices and least ISE.
+
+    Examples
+    --------
+    >>> measure_optimal(((100, 8),), repeat=1).splitlines()[0]
+    '| optimal, closed | N | ms |'
+    """
+    lines = ["| optimal, closed | N | ms |", "|---|---:|---:|"]
+    generator = np.random.default_rng(seed)
+    with one_processor():
+        for pixels, vertices in cases:
+            curve = _outline(pixels, generator)
+            params = OptimalParams(vertices, measure="ise")
+            optimal(curve[:50], closed=True, params=OptimalParams(5, measure="ise"))  # compiled
+            best = _least_time(lambda c=curve, p=params: optimal(c, closed=True, params=p), repeat)  # type: ignore[misc]
+            lines.append(f"| {len(curve)} px | {vertices} | {1e3 * best:.1f} |")
+    return "\n".join(lines) + "\n"
 
 
 def time_peer(peer: str, python: str, contours: Contours, repeat: int) -> float:

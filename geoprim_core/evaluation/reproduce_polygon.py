@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-
-import numpy as np
 
 from geoprim_core._check import AnyArray, FloatArray, IntArray
 from geoprim_core.edges import extract_contours
@@ -22,7 +20,7 @@ from geoprim_core.synthetic import (
     SILHOUETTES,
     degrade_curve,
     formula_curve,
-    scaled_curve,
+    shrunk_boundary,
     silhouette,
 )
 
@@ -79,6 +77,7 @@ class Row:
 class SetRow:
     """One method over a set of images (Table 2.7-9)."""
 
+    images: str
     label: str
     metrics: MeanMetrics
 
@@ -94,10 +93,22 @@ def _variants() -> tuple[Variant, ...]:
     found += [Variant("Masood(mod)", "2.5-2", "masood_mod")]
     found += [Variant(f"Carmona({r})", "2.5-3", "carmona", (("ratio", r),)) for r in (0.3, 0.7)]
     found += [Variant("Carmona(mod)", "2.5-3", "carmona_mod")]
+    found += [Variant("Carmona(0.45)", "2.7-9", "carmona", (("ratio", 0.45),))]
     return tuple(found)
 
 
 VARIANTS = _variants()
+OVER_IMAGES = (
+    "PRO(0.2)",
+    "PRO(1.0)",
+    "RDP(1.0)",
+    "RDP(mod)",
+    "Masood(0.9)",
+    "Masood(mod)",
+    "Carmona(0.45)",
+    "Carmona(mod)",
+)
+"""The methods of Table 2.7-9, and PRO(0.2), of which its text speaks."""
 PROPOSED = ("PRO(1.0)", "RDP(mod)", "Masood(mod)", "Carmona(mod)")
 """The four methods that the experiments of section 2.7 compare."""
 
@@ -136,6 +147,8 @@ def curve_rows(curves: Mapping[str, FloatArray]) -> Iterator[Row]:
     """
     for name, curve in curves.items():
         for variant in available():
+            if variant.table == "2.7-9":
+                continue
             yield _row(variant.table, name, curve, variant)
 
 
@@ -152,7 +165,7 @@ def scaled_rows(curves: Mapping[str, FloatArray]) -> Iterator[Row]:
         for variant in available((label,)):
             for name, curve in curves.items():
                 for divisor in (1, *DIVISORS):
-                    small = scaled_curve(curve, divisor) if divisor > 1 else curve
+                    small = shrunk_boundary(curve, divisor) if divisor > 1 else curve
                     yield _row(f"2.7-{k + 1}", name, small, variant, divisor=divisor)
 
 
@@ -189,32 +202,37 @@ def formula_rows() -> Iterator[Row]:
 
 
 def image_rows(
-    images: Mapping[str, AnyArray], after_image: Callable[[], object] | None = None
+    images: Iterable[tuple[str, AnyArray]], after_image: Callable[[], object] | None = None
 ) -> list[SetRow]:
-    """Return the rows of Table 2.7-9: every variant over the edge contours of all images.
+    """Return the rows of Table 2.7-9: every method over the edge contours of sets of images.
 
-    Images without contours are left out.
+    Parameters
+    ----------
+    images : iterable of (set, image)
+        Taken one by one; images without contours are left out.
+    after_image : callable, optional
+        Called after each.
 
     Examples
     --------
     >>> from geoprim_core.synthetic import disc_image
     >>> disc = disc_image(60, 50, centre=(30, 25), radius=15)
-    >>> image_rows({"disc": disc})[-1].metrics.count
-    1
+    >>> rows = image_rows([("discs", disc), ("discs", disc)])
+    >>> rows[0].images, rows[0].label, rows[0].metrics.count
+    ('discs', 'PRO(0.2)', 2)
     """
-    parts: dict[str, list[MeanMetrics]] = {variant.label: [] for variant in available()}
-    for image in images.values():
+    parts: dict[tuple[str, str], list[MeanMetrics]] = {}
+    for name, image in images:
         contours = extract_contours(image)
-        for variant in available() if len(contours) else ():
-            flags = contours.closed
+        for variant in available(OVER_IMAGES) if len(contours) else ():
             found = [
                 measure_polygon(c, variant.polygon(c, closed=bool(f)), closed=bool(f))
-                for c, f in zip(contours, flags, strict=True)
+                for c, f in zip(contours, contours.closed, strict=True)
             ]
-            parts[variant.label].append(image_metrics(found))
+            parts.setdefault((name, variant.label), []).append(image_metrics(found))
         if after_image is not None:
             after_image()
-    return [SetRow(label, set_metrics(each)) for label, each in parts.items() if each]
+    return [SetRow(name, label, set_metrics(each)) for (name, label), each in parts.items()]
 
 
 def _row(
@@ -230,34 +248,3 @@ def _row(
     indices = variant.polygon(curve, closed=closed)
     metrics = measure_polygon(curve, indices, closed=closed, span="first_pixel")
     return Row(table, name, variant.label, metrics, divisor, noise)
-
-
-def duality_rows() -> list[tuple[str, int, float, float]]:
-    """Return name, pixels, precision and reliability of lines fitted to short curves (2.2.2).
-
-    The line of (2-4) does not exist where it passes through the origin; the line of least sum of
-    squared distances takes its place. Axis-parallel and diagonal lines fit without error; for
-    the others both metrics grow with the disturbance of the line.
-
-    Examples
-    --------
-    >>> duality_rows()[0][2:]
-    (0.0, 0.0)
-    """
-    t = np.arange(60.0)
-    curves = {
-        "horizontal": 0 * t, "diagonal": t, "slope 1/2": t / 2, "slope 0.38": 0.38 * t,
-        "step of 2 px": np.where(t < 30, 0, 2), "bend": np.abs(t - 30) / 5,
-        "arc": 0.004 * (t - 30) ** 2, "wave of 2 px": 2 * np.sin(t / 4),
-    }  # fmt: skip
-    rows = []
-    for name, y in curves.items():
-        for count in (20, 60):
-            points = np.stack([t, np.floor(y + 0.5)], axis=1)[:count]
-            centred = points - points.mean(axis=0)
-            normal = np.linalg.svd(centred, full_matrices=False)[2][1]
-            distance = np.abs(centred @ normal).round(9)
-            extent = float(np.hypot(*(points[-1] - points[0])))
-            precision = float(np.sqrt((distance**2).mean()))
-            rows.append((name, count, precision, float(distance.sum()) / extent))
-    return rows

@@ -8,6 +8,7 @@ from geoprim_core.synthetic.boundaries import (
     SILHOUETTES,
     fill_boundary,
     scaled_curve,
+    shrunk_boundary,
     silhouette,
     trace_boundary,
 )
@@ -82,6 +83,7 @@ __all__ = [
     "render_parity",
     "rotated",
     "scaled_curve",
+    "shrunk_boundary",
     "silhouette",
     "single_ellipses",
     "sorting_sequence",

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from geoprim_core.cli.main import main
+from geoprim_core.evaluation.polygon_speed import long_wave, measure_polygons
 from geoprim_core.io.images import read_image, write_image
 from geoprim_core.synthetic import disc_image
+from geoprim_core.types import Contours
 
 ROOT = Path(__file__).resolve().parents[2]
 CONTOURS = f"contours={ROOT / 'benchmarks' / 'peer_contours.py'}:fit_contours"
@@ -146,6 +148,13 @@ def test_a_refusal_is_one_line(words, said, capsys):
     captured = capsys.readouterr()
     assert said in captured.err
     assert "Traceback" not in captured.err
+
+
+def test_a_curve_too_long_for_a_method_has_no_time():
+    wave = {"wave": lambda: Contours(long_wave(20_000), [0, 20_000], [False])}
+    times = measure_polygons(["rdp", "optimal"], wave, {}, repeat=1)
+    assert times.reference == "rdp" and np.isnan(times.seconds["optimal"][0])
+    assert "| optimal | - |" in times.markdown()
 
 
 def test_polygon_methods_are_timed_and_drawn(tmp_path, capsys):

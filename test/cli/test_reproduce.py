@@ -10,15 +10,21 @@ from geoprim_core.synthetic import disc_image
 def test_a_folder_of_chain_codes_rows_and_images_is_rerun(tmp_path, capsys):
     data = tmp_path / "data"
     square = "0" * 20 + "6" * 20 + "4" * 20 + "2" * 20
-    write_image(data / "disc.png", disc_image(80, 70, centre=(40, 35), radius=20))
+    disc = disc_image(80, 70, centre=(40, 35), radius=20)
+    write_image(data / "disc.png", disc)
+    write_image(data / "more" / "deep" / "disc.png", disc)
+    (data / "more" / "torn.png").write_bytes(b"no picture")
     (data / "codes.json").write_text(f'{{"Square": {{"start": [3, 4], "code": "{square}"}}}}')
     (data / "rows.csv").write_text("shape,method,param,M,N,MD,ISE\nsquare,RDP,mod,80,4,0.5,1\n")
     words = ["reproduce", "polygon", data, "--output", tmp_path / "out", "--quiet"]
     assert main([str(word) for word in words]) == 0
-    assert "2.5.1.3" in capsys.readouterr().out
+    printed = capsys.readouterr()
+    assert "2.5.1.3" in printed.out and "torn.png" in printed.err
     report = (tmp_path / "out" / "report.md").read_text()
     assert "| RDP(mod) | 1 | 4.0 / 4.0 | 0.0 | 0.50 | 100 % | 1 |" in report
-    assert "## Table 2.7-9" in report
+    assert "| data | PRO(1.0) | 1 |" in report and "| deep | PRO(1.0) | 1 |" in report
+    drawn = {path.name for path in (tmp_path / "out").glob("*.png")}
+    assert {f"![{name}]({name})" for name in drawn} <= set(report.splitlines())
     with (tmp_path / "out" / "rows.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["curve"] == "Square"]
     assert {row["divisor"] for row in rows} == {"1", "2", "3", "4", "5"}
