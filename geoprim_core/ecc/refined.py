@@ -226,6 +226,7 @@ def select(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Sele
         params.claim_reach,
         params.min_unclaimed,
         params.max_overlap,
+        params.min_woven,
     )
     return Selection(chosen, tuple(OUTCOMES[k] for k in outcome))
 
