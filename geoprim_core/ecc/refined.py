@@ -44,6 +44,7 @@ from geoprim_core._check import IntArray, describe
 from geoprim_core.ecc import _kernels_refined_clutter as _clutter
 from geoprim_core.ecc import _kernels_refined_final as _final
 from geoprim_core.ecc import _kernels_refined_select as _select
+from geoprim_core.ecc import _kernels_refined_thirds as _thirds
 from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs, gather_edges, split_arcs
 from geoprim_core.ecc.refined_candidates import Candidates, Verified, pair_arcs, verify
 from geoprim_core.ecc.refined_params import RefinedParams
@@ -152,7 +153,8 @@ def trace_refined(
     edges = gather_edges(contours, settings)
     arcs = split_arcs(edges, contours, settings)
     candidates = pair_arcs(edges, arcs, settings)
-    verified = explain(edges, verify(edges, arcs, candidates, settings), settings)
+    verified = cross_check(edges, verify(edges, arcs, candidates, settings), settings)
+    verified = explain(edges, verified, settings)
     selection = select(edges, verified, settings)
     detections = refit_chosen(edges, arcs, verified, selection, contours.image_size, settings)
     left_out = what_was_left_out(candidates, verified, settings)
@@ -175,6 +177,27 @@ def what_was_left_out(candidates: Candidates, verified: Verified, params: Refine
             f"candidates were verified until so many had been walked"
         )
     return "; ".join(bounds)
+
+
+def cross_check(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Verified:
+    """Weigh the evidence of each ellipse less where its support does not predict itself.
+
+    Stretches of several curves give an ellipse that lies near all of them and moves away from any
+    one of them when it is fitted to the others; those of one ellipse agree on where it is.
+    """
+    if not params.prediction_weight > 0.0:
+        return verified
+    figures = _thirds.doubt_predictions(
+        edges.points,
+        verified.ellipses,
+        verified.figures,
+        verified.offsets,
+        verified.support,
+        params.reach_growth,
+        params.prediction_weight,
+        SCORE_MAP.evidence_of(params.min_score),
+    )
+    return replace(verified, figures=figures)
 
 
 def explain(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Verified:

@@ -138,6 +138,12 @@ class RefinedParams(Params):
     weak_claims: bool = option(
         False, "verification: two arcs of an ellipse below min_score make no other candidate either"
     )
+    prediction_weight: float = option(
+        8.0,
+        "acceptance: weight of how badly parts of the support predict the others, 0 for none",
+        low=0.0,
+        high=100.0,
+    )
     explain_crossings: bool = option(
         True, "acceptance: edges of accepted ellipses that cross an outline are no clutter"
     )
