@@ -46,7 +46,7 @@ GLANCE_HOPE = (10.0, 8.0)  # and the rest of the outline with the refits, after 
 
 # Entries of the array of limits that `improve` and `verify` take.
 REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI = range(7)
-ENDS, SPREAD, WHOLE_WEIGHT, MOSTLY = range(7, 11)
+ENDS, SPREAD, WHOLE_WEIGHT = range(7, 10)
 
 
 @kernel

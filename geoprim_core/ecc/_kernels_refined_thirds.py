@@ -11,7 +11,7 @@ from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_fit import solve5
 from geoprim_core.ecc._kernels_refined_support import doubt_of_clutter
 
-MOST_COVERED = 0.95  # share of the outline beyond which nothing is extrapolated
+MOST_COVERED = 0.9  # share of the outline beyond which hardly anything is extrapolated
 LEAST_WIDTH = 0.05  # pixels, of the weights
 STIFFNESS = 0.05  # points at a pixel's distance that hold the ellipse where its support does not
 
@@ -48,17 +48,17 @@ def after_largest_gap(angles: FloatArray, order: IntArray) -> int:
 
 
 @kernel
-def sums_of(rows: FloatArray, width: float) -> tuple[FloatArray, FloatArray]:
-    """Return the normal matrix and the right side of a weighted linear fit to some points."""
-    normal, right = np.zeros((5, 5)), np.zeros(5)
-    for k in range(len(rows)):
+def add_sums(
+    rows: FloatArray, start: int, end: int, width: float, normal: FloatArray, right: FloatArray
+) -> None:
+    """Add points start .. end - 1 to the normal matrix and right side of a weighted linear fit."""
+    for k in range(start, end):
         ratio = rows[k, 5] / width
         weight = 1.0 / (1.0 + ratio * ratio)
         for i in range(5):
             right[i] -= weight * rows[k, i] * rows[k, 5]
             for j in range(i + 1):
                 normal[i, j] += weight * rows[k, i] * rows[k, j]
-    return normal, right
 
 
 @kernel
@@ -77,12 +77,14 @@ def prediction_error(points: FloatArray, chosen: IntArray, ellipse: FloatArray) 
     width = 2.0 * np.median(np.abs(rows[:, 5])) + LEAST_WIDTH
     first = (count + 1) // 3
     ends = (0, first, count - first, count)
-    normal, right = sums_of(rows, width)
+    normals, rights = np.zeros((3, 5, 5)), np.zeros((3, 5))
+    for part in range(3):
+        add_sums(rows, ends[part], ends[part + 1], width, normals[part], rights[part])
     worst = 0.0
     for part in range(3):
         third = rows[ends[part] : ends[part + 1]]
-        matrix, moved = sums_of(third, width)
-        matrix, moved = normal - matrix, right - moved
+        matrix = normals[(part + 1) % 3] + normals[(part + 2) % 3]
+        moved = rights[(part + 1) % 3] + rights[(part + 2) % 3]
         for i in range(5):
             matrix[i, i] += 0.25 * STIFFNESS * ellipse[2] * ellipse[3]
         if solve5(matrix, moved):

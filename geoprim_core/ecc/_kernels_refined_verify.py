@@ -18,7 +18,6 @@ from geoprim_core.ecc._kernels_refined_improve import (
     GROWTH,
     LEAST_POINTS,
     MAX_SIZE,
-    MOSTLY,
     POLISHES,
     WHOLE_WEIGHT,
     improve,
@@ -157,7 +156,7 @@ def verify(
     points; the candidate each came from; and the number of candidates looked at closely, one more
     than `max_count` where that left a candidate out. An ellipse with evidence `polish` is refitted
     once more, robustly, and its arcs make no other candidate with each other; one with evidence
-    `sure` and most of its outline covered takes its arcs. With `weak_claims` the arcs of any
+    `sure` takes its arcs. With `weak_claims` the arcs of any
     that passes make no other candidate with each other. Two arcs that both failed, or gave
     less evidence than that, `max_tries` times are left alone.
     """
@@ -220,7 +219,7 @@ def verify(
             support = np.concatenate((support, np.empty(len(support) + count, np.int64)))
         support[used : used + count] = chosen[:count]
         row = figures[found]
-        strong = min(row[1], row[2]) >= limits[MOSTLY] and row[0] >= sure
+        strong = row[0] >= sure
         if weak_claims or row[0] >= polish:
             note_owner(chosen, count, arc_of, ends, tally, owners, owned, taken, found, strong)
         else:

@@ -183,6 +183,5 @@ def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:
             params.end_weight,
             params.reach_spread,
             params.whole_weight,
-            params.claim_coverage,
         ]
     )

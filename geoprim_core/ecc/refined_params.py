@@ -132,9 +132,6 @@ class RefinedParams(Params):
         low=0.5,
         high=0.999999,
     )
-    claim_coverage: float = option(
-        0.6, "verification: and least supported share of its outline", low=0.0, high=1.0
-    )
     weak_claims: bool = option(
         False, "verification: two arcs of an ellipse below min_score make no other candidate either"
     )

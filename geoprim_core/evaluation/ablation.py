@@ -150,11 +150,6 @@ DEPARTURES = (
         "what is explained needs no further candidates",
     ),
     Departure(
-        "sure ellipses take their arcs (instead: also those with little of their outline)",
-        {"ecc.refined.claim_coverage": 0.0},
-        "half an ellipse through the arcs of two others would leave these without arcs",
-    ),
-    Departure(
         "weak ellipses leave their arcs to other pairs",
         {"ecc.refined.weak_claims": True},
         "what will not be reported must not keep two arcs from a better candidate",
