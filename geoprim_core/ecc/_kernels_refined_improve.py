@@ -45,7 +45,8 @@ HOPE = (6.0, 1.0)  # evidence that the first and the second refit may still add
 GLANCE_HOPE = (10.0, 8.0)  # and the rest of the outline with the refits, after each glance
 
 # Entries of the array of limits that `improve` and `verify` take.
-REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI, ENDS, SPREAD = range(9)
+REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI = range(7)
+ENDS, SPREAD, WHOLE_WEIGHT = range(7, 10)
 
 
 @kernel
@@ -147,11 +148,12 @@ def look_at(
             limits[MIN_COSINE], polarity, stamp, mark, chosen, count, sums,
         )  # fmt: skip
         if glance and end < SKETCH:
-            least = LEAST_POINTS * end // (2 * SKETCH)
+            fewest = LEAST_POINTS * end // (2 * SKETCH)
             each = stride * SKETCH / end
-            if count <= least:
+            if count <= fewest:
                 return 0
-            if hopeless(sums, count, each, ellipse, growth, hope - GLANCE_HOPE[k]):
+            least = hope - GLANCE_HOPE[k]
+            if hopeless(sums, count, each, ellipse, growth, limits[WHOLE_WEIGHT], least):
                 return 0
         start = end
     return count
@@ -205,8 +207,10 @@ def improve(
             return 0
         if sums[IN_FRAME] < limits[MIN_IN_FRAME] * sums[STEPS]:
             return 0
-        if step < 2 and hopeless(sums, count, stride, ellipse, growth, hope - HOPE[step]):
-            return 0
+        if step < 2:
+            hope_left = hope - HOPE[step]
+            if hopeless(sums, count, stride, ellipse, growth, limits[WHOLE_WEIGHT], hope_left):
+                return 0
         good = True
         if step == 0:
             good = fit_chosen(points, chosen, count, ellipse, work)

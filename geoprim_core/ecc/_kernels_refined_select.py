@@ -16,8 +16,7 @@ PROBES = 32
 PROBE_COS = np.cos(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
 PROBE_SIN = np.sin(2.0 * np.pi * (np.arange(PROBES) + 0.5) / PROBES)
 BESIDE = 2.0  # pixels between outlines that are not the same
-WOVEN = 0.2  # least share of an outline on either side of one that it weaves through
-WHOLE = 0.7  # least supported share of such an outline
+WHOLE = 0.7  # least supported share of an outline that weaves through another
 CLOSE = 0.4  # pixels, its largest scatter
 
 # What became of an ellipse.
@@ -62,8 +61,8 @@ def claim(
 
 
 @kernel
-def weaves(ellipse: FloatArray, other: FloatArray) -> bool:
-    """Tell whether an outline runs inside another for a good part and outside for a good part.
+def weaves(ellipse: FloatArray, other: FloatArray, least: float) -> bool:
+    """Tell whether an outline runs inside another for a share `least` and outside for as much.
 
     The second edge of a rim, or a copy, lies on one side of the first or on it.
     """
@@ -76,7 +75,7 @@ def weaves(ellipse: FloatArray, other: FloatArray) -> bool:
         d, _, _ = offset_of(other, other_cos, other_sin, x, y)
         inside += d < -BESIDE
         outside += d > BESIDE
-    return min(inside, outside) >= WOVEN * PROBES
+    return min(inside, outside) >= least * PROBES
 
 
 @kernel
@@ -87,11 +86,12 @@ def is_twin(
     found: int,
     candidate: int,
     most: float,
+    woven: float,
 ) -> bool:
     """Tell whether an ellipse overlaps one of the chosen by more than `most`.
 
-    One that is supported closely and nearly all along, and weaves through the other, is another
-    thing.
+    One that is supported closely and nearly all along, and weaves through the other (`woven`), is
+    another thing.
     """
     row = figures[candidate]
     sound = min(row[1], row[2]) >= WHOLE and row[3] <= CLOSE
@@ -99,7 +99,7 @@ def is_twin(
         other = ellipses[chosen[m]]
         if overlap_bound(ellipses[candidate], other) > most:
             if overlap_of(ellipses[candidate], other) > most:
-                if not (sound and weaves(ellipses[candidate], other)):
+                if not (sound and weaves(ellipses[candidate], other, woven)):
                     return True
     return False
 
@@ -133,6 +133,7 @@ def select(
     reach: float,
     least: float,
     most: float,
+    woven: float,
 ) -> tuple[IntArray, IntArray]:
     """Choose greedily the ellipse with the strongest support that no chosen one has claimed.
 
@@ -172,7 +173,7 @@ def select(
             share = free / (offsets[k + 1] - offsets[k])
             if share < least:
                 outcome[k] = CLAIMED
-            elif is_twin(ellipses, figures, chosen, found, k, most):
+            elif is_twin(ellipses, figures, chosen, found, k, most, woven):
                 outcome[k] = TWIN
             else:
                 judged[k] = found

@@ -72,6 +72,7 @@ def evidence_of(
     semi_minor: float,
     growth: float,
     outside: float,
+    whole_weight: float,
 ) -> float:
     """Return the log odds that an ellipse is right, as far as its support tells.
 
@@ -81,9 +82,8 @@ def evidence_of(
     point at random is as near with a probability in proportion to both scatters, so that their
     logarithms count for each pixel. The rest of the outline is extrapolated: the scatter, and
     what lies beyond the image, count in proportion to it. An outline that is as good as whole
-    has more for it than its length: few curves close evenly by chance, but for blobs of some
-    pixels.
-    The weights, here and below, are those of a logistic regression.
+    has more for it than its length, up to `whole_weight`: few curves close evenly by chance, but
+    for blobs of some pixels. The weights, here and below, are those of a logistic regression.
     """
     aligned = math.log(2.0 / (rms + 0.05)) - math.log(slant + 0.03)
     extrapolated = 16.0 * rms / growth + 30.0 * outside
@@ -91,7 +91,7 @@ def evidence_of(
     whole = rising(share, NEARLY_WHOLE[0], NEARLY_WHOLE[1])
     whole *= rising(semi_minor, ROUND_BY_CHANCE[0], ROUND_BY_CHANCE[1])
     whole *= rising(-rms / semi_minor, -EVEN[0], -EVEN[1])
-    return 3.7 * math.log(1.0 + length * max(aligned, 0.1)) + 1.3 * whole - doubt - 17.7
+    return 3.7 * math.log(1.0 + length * max(aligned, 0.1)) + whole_weight * whole - doubt - 17.7
 
 
 @kernel
@@ -114,18 +114,29 @@ def doubt_of_clutter(share: float, across: float) -> float:
 
 @kernel
 def support_evidence(
-    sums: FloatArray, count: int, length: float, ellipse: FloatArray, growth: float
+    sums: FloatArray,
+    count: int,
+    length: float,
+    ellipse: FloatArray,
+    growth: float,
+    whole_weight: float,
 ) -> float:
     """Return the evidence of an ellipse from the sums that `collect` made, but for clutter."""
     share = min(sums[COVERED] / sums[IN_FRAME], sums[TURN_COVERED] / sums[TURN])
     rms, slant = math.sqrt(sums[SQUARES] / count), math.sqrt(sums[TURNED] / count)
     outside = 1.0 - sums[IN_FRAME] / sums[STEPS]
-    return evidence_of(share, rms, slant, length, ellipse[3], growth, outside)
+    return evidence_of(share, rms, slant, length, ellipse[3], growth, outside, whole_weight)
 
 
 @kernel
 def hopeless(
-    sums: FloatArray, count: int, stride: float, ellipse: FloatArray, growth: float, least: float
+    sums: FloatArray,
+    count: int,
+    stride: float,
+    ellipse: FloatArray,
+    growth: float,
+    whole_weight: float,
+    least: float,
 ) -> bool:
     """Tell whether the evidence of a first collection of support is below `least`.
 
@@ -133,6 +144,7 @@ def hopeless(
     before it is fitted to all of its support.
     """
     share = min(sums[COVERED] / sums[IN_FRAME], sums[TURN_COVERED] / sums[TURN])
-    evidence = support_evidence(sums, count, stride * sums[COVERED], ellipse, growth)
+    length = stride * sums[COVERED]
+    evidence = support_evidence(sums, count, length, ellipse, growth, whole_weight)
     evidence += UNEVEN * math.sqrt(sums[SQUARES] / count) / ellipse[3]
     return bool(evidence - doubt_of_clutter(share, sums[CROSSING] / count) < least)

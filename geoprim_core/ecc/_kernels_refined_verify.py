@@ -19,6 +19,7 @@ from geoprim_core.ecc._kernels_refined_improve import (
     LEAST_POINTS,
     MAX_SIZE,
     POLISHES,
+    WHOLE_WEIGHT,
     improve,
     near_copy,
     polish_support,
@@ -47,7 +48,6 @@ FIGURES = 8
 SLOTS = 8  # verified ellipses remembered for each arc
 OWNED = 0.7  # an arc belongs to an ellipse that this share of its points support
 TAKEN = 0.9  # and is taken by a sure one that this share supports: no other may need the rest
-MOSTLY = 0.6  # supported share of the outline of a sure ellipse
 
 
 @kernel
@@ -116,7 +116,7 @@ def describe(
     row[6] = row[7] = 0.0
     share = min(row[1], row[2])
     growth = 1.0 + limits[GROWTH] * ellipse[3]
-    evidence = support_evidence(sums, count, row[5], ellipse, growth)
+    evidence = support_evidence(sums, count, row[5], ellipse, growth, limits[WHOLE_WEIGHT])
     if limits[ENDS] > 0.0 and evidence >= least:  # else it is too weak already
         row[6] = continuing_share(links, stamp, mark, chosen, count)
         if evidence - limits[ENDS] * doubt_of_ends(share, row[6], 0.0) >= least:
@@ -142,6 +142,7 @@ def verify(
     candidates: FloatArray,
     limits: FloatArray,
     signed: bool,
+    weak_claims: bool,
     sure: float,
     polish: float,
     max_tries: int,
@@ -155,7 +156,8 @@ def verify(
     points; the candidate each came from; and the number of candidates looked at closely, one more
     than `max_count` where that left a candidate out. An ellipse with evidence `polish` is refitted
     once more, robustly, and its arcs make no other candidate with each other; one with evidence
-    `sure` and most of its outline covered takes its arcs. Two arcs that both failed, or gave
+    `sure` takes its arcs. With `weak_claims` the arcs of any
+    that passes make no other candidate with each other. Two arcs that both failed, or gave
     less evidence than that, `max_tries` times are left alone.
     """
     total = len(points)
@@ -217,8 +219,8 @@ def verify(
             support = np.concatenate((support, np.empty(len(support) + count, np.int64)))
         support[used : used + count] = chosen[:count]
         row = figures[found]
-        strong = min(row[1], row[2]) >= MOSTLY and row[0] >= sure
-        if row[0] >= polish:
+        strong = row[0] >= sure
+        if weak_claims or row[0] >= polish:
             note_owner(chosen, count, arc_of, ends, tally, owners, owned, taken, found, strong)
         else:
             tries[i] += 1

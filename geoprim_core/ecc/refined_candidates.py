@@ -158,6 +158,7 @@ def verify(
         candidates.ellipses,
         _limits(edges, params),
         edges.signed and params.same_polarity,
+        params.weak_claims,
         SCORE_MAP.evidence_of(params.claim_score),
         SCORE_MAP.evidence_of(params.min_score),
         params.max_tries,
@@ -181,5 +182,6 @@ def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:
             params.min_semi_minor,
             params.end_weight,
             params.reach_spread,
+            params.whole_weight,
         ]
     )

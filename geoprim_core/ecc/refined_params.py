@@ -120,11 +120,26 @@ class RefinedParams(Params):
         low=0.0,
         high=10.0,
     )
+    whole_weight: float = option(
+        1.3,
+        "verification: evidence that an even outline, whole or nearly so, adds to its length's",
+        low=0.0,
+        high=10.0,
+    )
     claim_score: float = option(
         0.975,
         "verification: score from which an ellipse takes its arcs from later candidates",
         low=0.5,
         high=0.999999,
+    )
+    weak_claims: bool = option(
+        False, "verification: two arcs of an ellipse below min_score make no other candidate either"
+    )
+    prediction_weight: float = option(
+        8.0,
+        "acceptance: weight of how badly parts of the support predict the others, 0 for none",
+        low=0.0,
+        high=100.0,
     )
     explain_crossings: bool = option(
         True, "acceptance: edges of accepted ellipses that cross an outline are no clutter"
@@ -141,6 +156,13 @@ class RefinedParams(Params):
     )
     max_overlap: float = option(
         0.8, "selection: largest overlap with a stronger ellipse", low=0.0, high=1.0
+    )
+    min_woven: float = option(
+        0.2,
+        "selection: share of an outline inside and outside a stronger one, that it so weaves "
+        "through, from which it is no copy; above 0.5 it always is",
+        low=0.0,
+        high=1.0,
     )
     min_score: float = option(
         0.8, "acceptance: least probability of being right", low=0.0, high=1.0

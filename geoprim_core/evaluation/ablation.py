@@ -55,6 +55,11 @@ DEPARTURES = (
         "curves go on through their crossings",
     ),
     Departure(
+        "sharper turns linked in noisy images",
+        {"edges.noise_turn": 0.0},
+        "noise turns the gradient from pixel to pixel and would cut an outline into crumbs",
+    ),
+    Departure(
         "sub-pixel positions",
         {"edges.subpixel": False},
         "small and thin ellipses need tenths of a pixel",
@@ -95,6 +100,16 @@ DEPARTURES = (
         "a contour that leaves the outline and goes on is that of something else",
     ),
     Departure(
+        "a nearly whole outline counts beyond its length",
+        {"ecc.refined.whole_weight": 0.0},
+        "few curves close evenly by chance: small discs have no long outline to show",
+    ),
+    Departure(
+        "parts of the support predict each other",
+        {"ecc.refined.prediction_weight": 0.0},
+        "an ellipse through stretches of several curves moves when it is fitted without one",
+    ),
+    Departure(
         "crossings by accepted ellipses explained",
         {"ecc.refined.explain_crossings": False},
         "what crosses an outline is clutter unless it is another ellipse",
@@ -133,6 +148,16 @@ DEPARTURES = (
         "sure ellipses take their arcs",
         {"ecc.refined.claim_score": 0.999999},
         "what is explained needs no further candidates",
+    ),
+    Departure(
+        "weak ellipses leave their arcs to other pairs",
+        {"ecc.refined.weak_claims": True},
+        "what will not be reported must not keep two arcs from a better candidate",
+    ),
+    Departure(
+        "what weaves through a stronger ellipse is no copy",
+        {"ecc.refined.min_woven": 1.0},
+        "two crossing ellipses of nearly one place and size are two things, a rim's edges one",
     ),
     Departure(
         "blur's shrinkage undone",

@@ -117,7 +117,7 @@ def test_a_contour_is_a_line_by_its_own_mates_or_in_a_line_drawing():
 
 
 def evidence(share=0.6, rms=0.2, slant=0.1, length=200.0, outside=0.0):
-    return support.evidence_of(share, rms, slant, length, 40.0, 1.0, outside)
+    return support.evidence_of(share, rms, slant, length, 40.0, 1.0, outside, 1.3)
 
 
 def test_more_and_better_support_is_more_evidence():

@@ -10,7 +10,7 @@ from geoprim_core.ecc import _kernels_refined_select as select
 from geoprim_core.ecc import _kernels_refined_support as support
 
 SIZE = 120
-REACH, LEAST, MOST, WEAKEST = 1.5, 0.6, 0.8, 0.0
+REACH, LEAST, MOST, WEAKEST, WOVEN = 1.5, 0.6, 0.8, 0.0, 0.2
 
 
 def drawn(seed, count):
@@ -48,7 +48,7 @@ def plain(head, following, points, normals, rows, figures, offsets, members):
         for k in np.flatnonzero(alive):
             share = np.mean(~claimed[members[offsets[k] : offsets[k + 1]]])
             taken = np.array(chosen, np.int64)
-            twin = select.is_twin(rows, figures, taken, len(taken), k, MOST)
+            twin = select.is_twin(rows, figures, taken, len(taken), k, MOST, WOVEN)
             alive[k] = share >= LEAST and not twin
             value[k] = strength[k] * share if alive[k] else 0.0
         if not alive.any():
@@ -66,7 +66,7 @@ def test_the_heap_chooses_what_the_plain_greedy_selection_does_in_its_order(seed
     head, following = support.index_points(points, normals, SIZE, SIZE)
     members = np.arange(len(points))
     given_to_both = (head, following, points, normals, rows, figures, offsets, members)
-    chosen, outcome = select.select(*given_to_both, WEAKEST, REACH, LEAST, MOST)
+    chosen, outcome = select.select(*given_to_both, WEAKEST, REACH, LEAST, MOST, WOVEN)
     assert chosen.tolist() == plain(*given_to_both)
     assert np.flatnonzero(outcome == select.CHOSEN).tolist() == sorted(chosen.tolist())
     assert np.array_equal(outcome == select.WEAK, figures[:, 0] < WEAKEST)
@@ -77,8 +77,8 @@ def test_the_heap_chooses_what_the_plain_greedy_selection_does_in_its_order(seed
 def test_the_second_edge_of_a_rim_does_not_weave_through_the_first(a, ratio, angle, scale):
     row = np.array([100.0, 90.0, a, a * ratio, angle])
     other = row * [1, 1, scale, scale, 1]
-    assert not select.weaves(row, other)
-    assert not select.weaves(other, row)
+    assert not select.weaves(row, other, WOVEN)
+    assert not select.weaves(other, row, WOVEN)
 
 
 @settings(max_examples=60, deadline=None)
@@ -86,7 +86,7 @@ def test_the_second_edge_of_a_rim_does_not_weave_through_the_first(a, ratio, ang
 def test_an_ellipse_weaves_through_itself_turned_by_a_right_angle(a, ratio, angle):
     row = np.array([100.0, 90.0, a, a * ratio, angle])
     turned = np.array([100.0, 90.0, a, a * ratio, angle + np.pi / 2])
-    assert select.weaves(row, turned)
+    assert select.weaves(row, turned, WOVEN)
 
 
 def test_what_weaves_is_a_twin_unless_it_is_closely_supported_nearly_all_along():
@@ -95,4 +95,5 @@ def test_what_weaves_is_a_twin_unless_it_is_closely_supported_nearly_all_along()
     for coverage, rms, twin in ((0.9, 0.1, False), (0.6, 0.1, True), (0.9, 0.8, True)):
         figures = np.zeros((2, 8))
         figures[:, 1:4] = coverage, coverage, rms
-        assert select.is_twin(rows, figures, first, 1, 1, MOST) == twin
+        assert select.is_twin(rows, figures, first, 1, 1, MOST, WOVEN) == twin
+        assert select.is_twin(rows, figures, first, 1, 1, MOST, 1.0)
