@@ -9,7 +9,8 @@ import numpy as np
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_fit import offset_of
-from geoprim_core.ecc._kernels_refined_outline import ACROSS, Int32Array, outline_of
+from geoprim_core.ecc._kernels_refined_outline import ACROSS, Int32Array
+from geoprim_core.ecc._kernels_refined_places import outline_of
 from geoprim_core.ecc._kernels_refined_select import claim
 from geoprim_core.ecc._kernels_refined_support import doubt_of_clutter
 

@@ -18,16 +18,14 @@ from geoprim_core.ecc._kernels_refined_fit import (
 )
 from geoprim_core.ecc._kernels_refined_outline import (
     COVERED,
-    GLANCES,
     IN_FRAME,
-    SKETCH,
     STEPS,
     Int32Array,
     Walk,
     add_support,
     collect,
-    sketch_of,
 )
+from geoprim_core.ecc._kernels_refined_places import GLANCES, SKETCH, sketch_of
 from geoprim_core.ecc._kernels_refined_support import hopeless
 from geoprim_core.fitting._kernels_shape import perimeter_of
 

@@ -8,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from geoprim_core._check import FloatArray, IntArray
+from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_fit import offset_at
+from geoprim_core.ecc._kernels_refined_places import quarter_of
 
 Int8Array = npt.NDArray[np.int8]
 Int32Array = npt.NDArray[np.int32]
@@ -22,33 +23,6 @@ GAP, COVERED_PLACE, OUTSIDE = range(3)  # what a place is
 
 # Columns of the sums that `add_support` makes.
 STEPS, IN_FRAME, COVERED, TURN, TURN_COVERED, SQUARES, TURNED, CROSSING, SUMS = range(9)
-
-SKETCH = 18  # places of a quarter that serve a first look
-SKETCHES = 64  # as many ratios of the semi-axes
-GLANCES = (5, 9, SKETCH)  # as many of them make a first glance, half a look, a look
-
-
-def _sketches() -> FloatArray:
-    """Return equally spaced places of a quarter (SKETCHES, SKETCH, 3), every fourth one first.
-
-    The columns are those of `quarter_of`. A part of them from the first on is spread over the
-    whole quarter: with mirror images, over the outline.
-    """
-    t = np.linspace(0.0, 0.5 * np.pi, 1025)
-    table = np.empty((SKETCHES, SKETCH, 3))
-    order = np.concatenate([np.arange(first, SKETCH, 4) for first in (1, 3, 0, 2)])
-    for k in range(SKETCHES):
-        ratio = (k + 0.5) / SKETCHES
-        pace = np.hypot(np.sin(t), ratio * np.cos(t))
-        path = np.concatenate(([0.0], np.cumsum(0.5 * (pace[1:] + pace[:-1]))))
-        at = np.interp(np.arange(2 * SKETCH + 1) * path[-1] / (2 * SKETCH), path, t)
-        c, s, dt = np.cos(at[1::2]), np.sin(at[1::2]), np.diff(at[::2])
-        places = np.stack((c, s, ratio * dt / (s * s + ratio * ratio * c * c)), axis=1)
-        table[k] = places[order]
-    return table
-
-
-_SKETCHES = _sketches()
 
 
 class Walk(NamedTuple):
@@ -63,92 +37,55 @@ class Walk(NamedTuple):
         4 k + s, mirrored left and right in quarters 1 and 3, up and down in 2 and 3.
     seen : (2, m) int32
         Edge points and the place that each is around.
+    windows : (2, k) int32
+        Pixels of places around which there are edge points, and these places.
+    near : (H * W,) bool
+        Whether one of the nine pixels around a pixel holds an edge point. The outermost pixels
+        have no nine pixels and tell nothing.
+    about : (4, m) float64
+        Of the points seen: position about the centre and normal. Then: what `weigh` makes of them.
+    along : (m,) int8
     """
 
     places: FloatArray
     state: Int8Array
     seen: Int32Array
+    windows: Int32Array
+    near: BoolArray
+    about: FloatArray
+    along: Int8Array
 
 
 @kernel
-def new_walk(longest: float) -> Walk:
+def pixels_near(head: Int32Array) -> BoolArray:
+    """Return, for every pixel, whether one of the nine around it holds an edge point."""
+    height, width = head.shape
+    near = np.zeros((height, width), np.bool_)
+    rows = np.zeros((3, width), np.bool_)  # of three pixels side by side, in three rows by turns
+    for y in range(height):
+        line, row = head[y], rows[y % 3]
+        for x in range(1, width - 1):
+            row[x] = (line[x - 1] >= 0) | (line[x] >= 0) | (line[x + 1] >= 0)
+        if y >= 2:
+            out = near[y - 1]
+            for x in range(1, width - 1):
+                out[x] = rows[0, x] | rows[1, x] | rows[2, x]
+    return near.ravel()
+
+
+@kernel
+def new_walk(head: Int32Array, longest: float) -> Walk:
     """Return room for walks in steps of a pixel or more; semi-axes are at most `longest`."""
     quarter = 2 * int(longest) + 16
     return Walk(
         np.empty((quarter, 3)),
         np.empty(4 * quarter, np.int8),
         np.empty((2, 4 * CHUNK * WINDOW + 1), np.int32),
+        np.empty((2, 4 * CHUNK + 1), np.int32),
+        pixels_near(head),
+        np.empty((4, 4 * CHUNK * WINDOW + 1)),
+        np.empty(4 * CHUNK * WINDOW + 1, np.int8),
     )
-
-
-@kernel
-def turned(cos: float, sin: float, angle: float) -> tuple[float, float]:
-    """Return the cosine and sine of an angle turned on by a small one."""
-    half = 0.5 * angle
-    grow = 1.0 / (1.0 + half * half)
-    cd, sd = (1.0 - half * half) * grow, 2.0 * half * grow
-    return cos * cd - sin * sd, sin * cd + cos * sd
-
-
-@kernel
-def middle_of_step(
-    ct: float, st: float, a: float, b: float, stride: float
-) -> tuple[float, float, float]:
-    """Return cosine and sine of the parameter amidst the step from a place, and its length."""
-    dt = min(0.5, stride / math.sqrt(a * a * st * st + b * b * ct * ct))
-    mid_ct, mid_st = turned(ct, st, 0.5 * dt)
-    dt = min(0.5, stride / math.sqrt(a * a * mid_st * mid_st + b * b * mid_ct * mid_ct))
-    mid_ct, mid_st = turned(ct, st, 0.5 * dt)
-    return mid_ct, mid_st, dt
-
-
-@kernel
-def quarter_of(a: float, b: float, stride: float, places: FloatArray) -> int:
-    """Write places about `stride` pixels apart on the first quarter of an outline, in order.
-
-    Of each: cosine and sine of the parameter, and the turn of the normal over the step. Returns
-    how many they are.
-    """
-    count = 0
-    ct, st = 1.0, 0.0
-    while ct > 0.0 and count < len(places):
-        c, s, dt = middle_of_step(ct, st, a, b, stride)
-        ct, st = turned(ct, st, dt)
-        places[count, 0], places[count, 1] = c, s
-        places[count, 2] = a * b * dt / (a * a * s * s + b * b * c * c)
-        count += 1
-    return count
-
-
-@kernel
-def sketch_of(a: float, b: float, places: FloatArray) -> int:
-    """Write `SKETCH` places as `quarter_of` does, in the order of `GLANCES`; return their number.
-
-    They come from a table of ratios: where exactly on the outline the places lie does not matter.
-    """
-    row = min(SKETCHES - 1, int(SKETCHES * b / a))
-    for k in range(SKETCH):
-        for column in range(3):
-            places[k, column] = _SKETCHES[row, k, column]
-    return SKETCH
-
-
-@kernel
-def outline_of(a: float, b: float, stride: float) -> FloatArray:
-    """Return cosine and sine of the parameters of places about `stride` pixels apart, in order.
-
-    The four quarters mirror each other, so that no direction of the walk is preferred.
-    """
-    quarter = np.empty((int((a + b) / stride) + 8, 3))
-    count = quarter_of(a, b, stride, quarter)
-    places = np.empty((4 * count, 2))
-    for k in range(count):
-        c, s = quarter[k, 0], quarter[k, 1]
-        places[k, 0], places[k, 1] = c, s
-        places[2 * count - 1 - k, 0], places[2 * count - 1 - k, 1] = -c, s
-        places[2 * count + k, 0], places[2 * count + k, 1] = -c, -s
-        places[4 * count - 1 - k, 0], places[4 * count - 1 - k, 1] = c, -s
-    return places
 
 
 @kernel
@@ -171,7 +108,7 @@ def look(flat: Int32Array, corner: int, width: int, place: int, seen: Int32Array
 
 
 @kernel
-def find_points(
+def find_windows(
     head: Int32Array,
     ellipse: FloatArray,
     cos: float,
@@ -181,33 +118,58 @@ def find_points(
     last: int,
     sums: FloatArray,
 ) -> int:
-    """Note the edge points around the places first .. last - 1 of all quarters; return how many.
+    """Note which of the places first .. last - 1 of all quarters have edge points around them.
 
-    Sets the state of the places, and counts them and those inside the image.
+    Sets the state of the places, and counts them and those inside the image. Returns how many
+    were noted. There are no branches, for the reason that `look` gives.
     """
     height, width = head.shape
-    x0, y0, a, b = ellipse[0], ellipse[1], ellipse[2], ellipse[3]
-    flat = head.ravel()
-    size = inside = 0
+    x0, y0, a, b = ellipse[0] + 0.5, ellipse[1] + 0.5, ellipse[2], ellipse[3]
+    noted = np.uint64(0)
+    inside = 0
     turn = 0.0
-    places = walk.places
     for k in range(first, last):
+        u, v = a * walk.places[k, 0], b * walk.places[k, 1]
+        uc, us, vc, vs = u * cos, u * sin, v * cos, v * sin
         for side in range(4):
-            u = a * places[k, 0] if side % 2 == 0 else -a * places[k, 0]
-            v = b * places[k, 1] if side < 2 else -b * places[k, 1]
-            px = int(math.floor(x0 + u * cos - v * sin + 0.5))
-            py = int(math.floor(y0 + u * sin + v * cos + 0.5))
-            walk.state[4 * k + side] = OUTSIDE
-            if px >= 1 and py >= 1 and px <= width - 2 and py <= height - 2:
-                inside += 1
-                walk.state[4 * k + side] = GAP
-                turn += places[k, 2]
-                corner = (py - 1) * width + px - 1
-                size = look(flat, corner, width, 4 * k + side, walk.seen, size)
+            left, up = side % 2 == 1, side >= 2
+            x = x0 + (-uc if left else uc) - (-vs if up else vs)
+            y = y0 + (-us if left else us) + (-vc if up else vc)
+            within = (x >= 1.0) & (y >= 1.0) & (x < width - 1.0) & (y < height - 1.0)
+            at = np.int32(y if within else 0.0) * width + np.int32(x if within else 0.0)
+            walk.state[4 * k + side] = GAP if within else OUTSIDE
+            inside += within
+            turn += walk.places[k, 2] if within else 0.0
+            walk.windows[0, noted] = at
+            walk.windows[1, noted] = 4 * k + side
+            noted += np.uint64(walk.near[np.uint64(at)] & within)
     sums[STEPS] += 4.0 * (last - first)
     sums[IN_FRAME] += inside
     sums[TURN] += turn
-    return size
+    return int(noted)
+
+
+@kernel
+def weigh(walk: Walk, size: int, ellipse: FloatArray, cos: float, sin: float, reach: float,
+          min_cos: float, polarity: int) -> None:  # fmt: skip
+    """Tell of the points gathered which support an ellipse (1) and which cross its outline (2).
+
+    Writes the square of the distance over the position, and that of the sine of the angle between
+    gradient and normal. The body has no branches, so that it compiles to vector instructions.
+    """
+    dx, dy, across_x, across_y = walk.about[0], walk.about[1], walk.about[2], walk.about[3]
+    along = walk.along
+    flat, steep = 1.0 / (ellipse[2] * ellipse[2]), 1.0 / (ellipse[3] * ellipse[3])
+    for k in range(size):
+        d, nx, ny = offset_at(dx[k], dy[k], cos, sin, flat, steep)
+        dot = -(nx * across_x[k] + ny * across_y[k])
+        right = (polarity == 0) | (dot * polarity > 0.0)
+        across = abs(dot) < ACROSS
+        good = (abs(dot) >= min_cos) & right & (abs(d) <= reach) & (not across)
+        dx[k] = d * d
+        # Rounding can make an exact normal longer than one: no root of that below.
+        dy[k] = max(0.0, 1.0 - dot * dot)
+        along[k] = (1 if good else 0) + (2 if across else 0)
 
 
 @kernel
@@ -231,33 +193,35 @@ def judge_points(
 ) -> int:
     """Put those of the points noted that support the ellipse to `chosen`; return their number.
 
-    Marks the places that they are around as covered. The loop has no branches on
-    what the points are like, for the reason that `look` gives.
+    Marks the places that they are around as covered. The points of a pixel are judged one after
+    the other: those that come first of all pixels, then those that follow them.
     """
-    x0, y0 = ellipse[0], ellipse[1]
-    flat, steep = 1.0 / (ellipse[2] * ellipse[2]), 1.0 / (ellipse[3] * ellipse[3])
     squares = turned_sum = 0.0
     crossing = 0
-    for k in range(size):
-        place = walk.seen[1, k]
-        p = np.int64(walk.seen[0, k])
-        while p >= 0:
+    while size > 0:
+        for k in range(size):
+            at = np.uint64(walk.seen[0, k])
+            walk.about[0, k] = points[at, 0] - ellipse[0]
+            walk.about[1, k] = points[at, 1] - ellipse[1]
+            walk.about[2, k], walk.about[3, k] = normals[at, 0], normals[at, 1]
+        weigh(walk, size, ellipse, cos, sin, reach, min_cos, polarity)
+        left = np.uint64(0)
+        for k in range(size):
+            p, place = walk.seen[0, k], walk.seen[1, k]
             at = np.uint64(p)
-            d, nx, ny = offset_at(points[at, 0] - x0, points[at, 1] - y0, cos, sin, flat, steep)
-            dot = -(nx * normals[at, 0] + ny * normals[at, 1])
-            fresh = (stamp[at] != mark) & (stamp[at] != -mark)
-            along = (abs(dot) >= min_cos) & ((polarity == 0) | (dot * polarity > 0.0))
-            across = abs(dot) < ACROSS
-            good = along & (abs(d) <= reach) & (not across)
+            good = walk.along[k] == 1
+            new = (stamp[at] != mark) & (stamp[at] != -mark)
             stamp[at] = mark if good else -mark
-            walk.state[place] |= good
-            crossing += fresh & across
+            walk.state[np.uint64(place)] |= good
+            crossing += new & (walk.along[k] == 2)
             chosen[count] = p
-            count += good & fresh
-            squares += d * d if good & fresh else 0.0
-            # Rounding can make an exact normal longer than one: no root of that below.
-            turned_sum += max(0.0, 1.0 - dot * dot) if good & fresh else 0.0
-            p = np.int64(following[at])
+            count += good & new
+            squares += walk.about[0, k] if good & new else 0.0
+            turned_sum += walk.about[1, k] if good & new else 0.0
+            walk.seen[0, left] = following[at]
+            walk.seen[1, left] = place
+            left += np.uint64(following[at] >= 0)
+        size = int(left)
     sums[SQUARES] += squares
     sums[TURNED] += turned_sum
     sums[CROSSING] += crossing
@@ -293,9 +257,14 @@ def add_support(
     and normal, and points with the gradient across the outline.
     """
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    flat, width = head.ravel(), head.shape[1]
     for first in range(start, end, CHUNK):
         last = min(first + CHUNK, end)
-        size = find_points(head, ellipse, cos, sin, walk, first, last, sums)
+        noted = find_windows(head, ellipse, cos, sin, walk, first, last, sums)
+        size = 0
+        for k in range(noted):
+            corner = np.int64(walk.windows[0, k]) - width - 1
+            size = look(flat, corner, width, walk.windows[1, k], walk.seen, size)
         count = judge_points(
             following, points, normals, ellipse, cos, sin, reach, min_cos, polarity, stamp, mark,
             walk, size, chosen, count, sums,

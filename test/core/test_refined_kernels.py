@@ -11,6 +11,7 @@ from geoprim_core.ecc import _kernels_refined_ends as ends
 from geoprim_core.ecc import _kernels_refined_final as final
 from geoprim_core.ecc import _kernels_refined_fit as fit
 from geoprim_core.ecc import _kernels_refined_outline as outline
+from geoprim_core.ecc import _kernels_refined_places as places_of
 from geoprim_core.ecc import _kernels_refined_stroke as stroke
 from geoprim_core.ecc import _kernels_refined_support as support
 
@@ -145,7 +146,7 @@ def collected(points, normals, ellipse, stride=2.0, min_cos=0.96):
     """
     head, following = support.index_points(points, normals, 120, 100)
     stamp, chosen = np.zeros(len(points), np.int64), np.empty(len(points) + 1, np.int64)
-    walk, sums = outline.new_walk(100.0), np.empty(outline.SUMS)
+    walk, sums = outline.new_walk(head, 100.0), np.empty(outline.SUMS)
     count = outline.collect(
         head, following, points, normals, ellipse, stride, 2.0, min_cos, 0, stamp, 1, walk,
         chosen, sums,
@@ -244,7 +245,7 @@ def test_support_is_what_lies_near_a_place_along_the_normal(seed, stride):
     chosen, sums, _ = collected(points, normals, ellipse, stride)
     x, y, a, b, angle = ellipse
     places = np.empty((int(2 * a) + 30, 3))
-    ring = places[: outline.quarter_of(a, b, stride, places)]
+    ring = places[: places_of.quarter_of(a, b, stride, places)]
     u, v = np.outer([a, -a, a, -a], ring[:, 0]), np.outer([b, b, -b, -b], ring[:, 1])
     cos, sin = np.cos(angle), np.sin(angle)
     pixels = np.floor(np.stack([x + u * cos - v * sin, y + u * sin + v * cos], axis=-1) + 0.5)
@@ -260,13 +261,13 @@ def test_support_is_what_lies_near_a_place_along_the_normal(seed, stride):
 
 
 def test_a_sketch_spreads_each_glance_over_the_quarter():
-    places = np.empty((outline.SKETCH, 3))
+    places = np.empty((places_of.SKETCH, 3))
     for ratio in (0.05, 0.3, 1.0):
-        assert outline.sketch_of(100.0, 100.0 * ratio, places) == outline.SKETCH
+        assert places_of.sketch_of(100.0, 100.0 * ratio, places) == places_of.SKETCH
         assert np.allclose(np.hypot(places[:, 0], places[:, 1]), 1.0)
         if ratio >= 0.3:  # the tip of a flat ellipse turns within a step
             assert np.isclose(places[:, 2].sum(), np.pi / 2, rtol=0.03)
-        for count in outline.GLANCES:
+        for count in places_of.GLANCES:
             t = np.sort(np.arctan2(places[:count, 1], places[:count, 0]))
             path = np.interp(t, *path_of_quarter(ratio))
             assert np.diff(path, prepend=0.0, append=1.0).max() < 1.6 / count
