@@ -150,7 +150,8 @@ def open_conic(
         return _rounded(_dense_conic(latus, eccentricity, half_span))
     step = _STEP if kind == "noisy" else _ANALYTIC_STEP
     count = int(half_span / step + 1e-9)
-    points = _conic_points(latus, eccentricity, np.pi + step * np.arange(-count, count + 1))
+    angles: FloatArray = np.pi + step * np.arange(-count, count + 1, dtype=np.float64)
+    points = _conic_points(latus, eccentricity, angles)
     return _scattered(random, points, percent) if kind == "noisy" else points
 
 
