@@ -136,9 +136,13 @@ def ragged(arcs: Contours | Sequence[npt.ArrayLike]) -> tuple[FloatArray, IntArr
     """
     if isinstance(arcs, Contours):
         return arcs.positions, arcs.offsets
-    checked = [_check.points(arc, f"arcs[{k}]") for k, arc in enumerate(arcs)]
-    offsets = np.cumsum([0, *(len(arc) for arc in checked)])
-    return np.concatenate([np.zeros((0, 2)), *checked]), offsets
+    checked = [_check.numbers(arc, f"arcs[{k}]", (None, 2)) for k, arc in enumerate(arcs)]
+    offsets = np.cumsum([0, *map(len, checked)])
+    points = np.concatenate([np.zeros((0, 2)), *checked])
+    if not np.isfinite(points).all():
+        for k, arc in enumerate(checked):
+            _check.points(arc, f"arcs[{k}]")
+    return points, offsets
 
 
 def _limit(status: IntArray, rows: FloatArray, params: Params) -> None:
