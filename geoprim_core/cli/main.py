@@ -25,6 +25,7 @@ COMMANDS = {
     "bench ablation": "measure what each departure from the thesis is worth",
     "bench stability": "compare F of turned, mirrored, shifted and brightened images",
     "bench scaling": "measure how the time grows with the image and with the number of arcs",
+    "bench fitting": "measure the speed of every ellipse fit, ours and others'",
     "calibrate": "check by simulation that scores are probabilities and that covariances hold",
     "reproduce fitting": "rerun the experiments of thesis 4.5: tables, figures, claims, chooser",
     "warm": "compile the numeric kernels ahead of time",
