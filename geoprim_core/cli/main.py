@@ -31,6 +31,7 @@ COMMANDS = {
     "bench ros": "measure the live ROS 2 graph: latency, drops, processor time, highest rate",
     "bench polygon": "time the polygon methods beside shapely and OpenCV",
     "bench tangents": "measure the nanoseconds a pixel of every tangent method",
+    "bench fitting": "measure the speed of every ellipse fit, ours and others'",
     "calibrate": "check by simulation that scores are probabilities and that covariances hold",
     "reproduce polygon": "rerun the experiments of thesis chapter 2: tables, figures, claims",
     "reproduce tangent": "rerun the experiments of thesis chapter 3 with every tangent estimator",

@@ -10,13 +10,21 @@ from dataclasses import dataclass
 
 from geoprim_core.evaluation.claims import Claim, claim_lines, grid_lines
 from geoprim_core.evaluation.reproduce_fitting import COLUMNS, SECTIONS, Outcome, Setting
-from geoprim_core.evaluation.reproduce_fitting_outcomes import Outcomes, detected, precision, recall
+from geoprim_core.evaluation.reproduce_fitting_outcomes import (
+    Measure,
+    Outcomes,
+    detected,
+    precision,
+    recall,
+)
 
 TIED = 0.005
 """A share that is no more than this behind the best one is tied with it: 5 of 1,000 trials."""
 
 SELECTIVE = 0.1
 """A method with at most this share of false ellipses on open conics is called selective."""
+
+_MOST_NAMES = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +167,8 @@ def _ranked(scores: dict[str, float]) -> str:
     """Return the methods within 1 per cent of the best, best first, with their shares."""
     best = max(scores.values(), default=0.0)
     near = sorted((m for m, s in scores.items() if s >= best - 0.01), key=lambda m: -scores[m])
-    return ", ".join(f"{m} {100 * scores[m]:.1f} %" for m in near)
+    told = ", ".join(f"{m} {100 * scores[m]:.1f} %" for m in near[:_MOST_NAMES])
+    return told + (f" and {len(near) - _MOST_NAMES} more" if len(near) > _MOST_NAMES else "")
 
 
 def rows_csv(outcomes: Sequence[Outcome]) -> str:
@@ -241,7 +250,8 @@ def _section_lines(outcomes: Outcomes, section: str) -> list[str]:
     lines = [f"## {section}: {SECTIONS[section]}", ""]
     methods = outcomes.methods()
     rows = outcomes.of(section, methods[0])
-    lines += [f"Trials a setting: {max(o.trials for o in rows)}.", ""]
+    trials = sorted({o.trials for o in outcomes.all if o.setting.section == section})
+    lines += ["Trials a setting: " + ", ".join(map(str, trials)) + ".", ""]
     heads = ["method", *(_setting_cells(o.setting)[1] for o in rows)]
     if rows[0].setting.open:
         return lines + _grid_of(outcomes, section, heads, ("false ellipses", detected))
@@ -256,12 +266,14 @@ def _section_lines(outcomes: Outcomes, section: str) -> list[str]:
     return lines
 
 
-def _field(name: str):  # type: ignore[no-untyped-def]
-    return lambda outcome: getattr(outcome, name)
+def _field(name: str) -> Measure:
+    return lambda outcome: float(getattr(outcome, name))
 
 
-def _grid_of(outcomes: Outcomes, section: str, heads: Sequence[str], measure) -> list[str]:  # type: ignore[no-untyped-def]
-    title, of = measure
+def _grid_of(
+    outcomes: Outcomes, section: str, heads: Sequence[str], titled: tuple[str, Measure]
+) -> list[str]:
+    title, of = titled
     rows = []
     for method in outcomes.methods():
         values = [of(o) for o in outcomes.of(section, method)]

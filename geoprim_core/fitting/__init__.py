@@ -12,6 +12,7 @@ from geoprim_core.fitting.ahn import AhnParams, ahn
 from geoprim_core.fitting.batch import EllipseFits, fit_arrays, ragged
 from geoprim_core.fitting.chaudhuri import ChaudhuriParams, chaudhuri
 from geoprim_core.fitting.conic import conic_from_ellipse, ellipse_from_conic
+from geoprim_core.fitting.covariance import fit_covariance
 from geoprim_core.fitting.distance import distance_to_ellipse
 from geoprim_core.fitting.ellifit import EllifitParams, ellifit
 from geoprim_core.fitting.fit_params import FitParams
@@ -27,6 +28,7 @@ from geoprim_core.fitting.nsaf import NsafParams, nsaf
 from geoprim_core.fitting.overlap import overlap_matrix, overlap_ratio
 from geoprim_core.fitting.selective import SelectiveParams, selective
 from geoprim_core.fitting.shape import ellipse_boxes, outline_points, perimeter, point_at
+from geoprim_core.fitting.span import angular_span, eccentric_angles, tangent_at
 from geoprim_core.fitting.taubin import TaubinParams, taubin
 from geoprim_core.methods import Method, Table
 from geoprim_core.params import Params, as_params
@@ -52,12 +54,15 @@ __all__ = [
     "SelectiveParams",
     "TaubinParams",
     "ahn",
+    "angular_span",
     "chaudhuri",
     "conic_from_ellipse",
     "distance_to_ellipse",
+    "eccentric_angles",
     "ellifit",
     "ellipse_boxes",
     "ellipse_from_conic",
+    "fit_covariance",
     "fit_ellipse",
     "fit_ellipses",
     "fit_geometric",
@@ -77,6 +82,7 @@ __all__ = [
     "point_at",
     "point_moments",
     "selective",
+    "tangent_at",
     "taubin",
 ]
 

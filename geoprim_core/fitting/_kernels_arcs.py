@@ -129,7 +129,7 @@ def _largest_root(m00: float, m01: float, m02: float, m11: float, m12: float, m2
             break
         step = 3.0 * value / below
         t -= step
-        if step <= 1e-17 * (m00 + m22):
+        if step <= 1e-9 * (m00 + m22):  # the next one would be its cube
             break
     return t
 

@@ -10,16 +10,18 @@ from geoprim_core.fitting._kernels_geometric import geometric_points
 from geoprim_core.fitting._kernels_hyper import hyper_points
 from geoprim_core.fitting._kernels_maini import maini_points
 from geoprim_core.fitting._kernels_pencil import pencil_points
+from geoprim_core.fitting._kernels_selective import selective_points
 from geoprim_core.fitting._kernels_sequential import liu_points
 
-DIRECT, PENCIL, HYPER, MAINI, LIU, AHN, GEOMETRIC = range(7)
+DIRECT, PENCIL, HYPER, MAINI, LIU, AHN, GEOMETRIC, SELECTIVE = range(8)
 
 
 @kernel
 def _fit_one(
-    points: FloatArray, weights: FloatArray, kind: int, first: float, second: float
+    points: FloatArray, weights: FloatArray, kind: int, options: FloatArray
 ) -> tuple[int, FloatArray, float]:
-    """Fit one arc by a kernel and its two options."""
+    """Fit one arc by a kernel and its options (3,)."""
+    first, second = options[0], options[1]
     if kind == PENCIL:
         return pencil_points(points, weights, int(first))
     if kind == HYPER:
@@ -32,6 +34,8 @@ def _fit_one(
         return ahn_points(points, weights, int(first), second != 0.0)
     if kind == GEOMETRIC:
         return geometric_points(points, weights, int(first), second)
+    if kind == SELECTIVE:
+        return selective_points(points, weights, first, second, options[2])
     return fit_points_of(points, weights, ELLIFIT if first == ELLIFIT else NSAF)
 
 
@@ -41,8 +45,7 @@ def fit_many(
     offsets: IntArray,
     weights: FloatArray,
     kind: int,
-    first: float,
-    second: float,
+    options: FloatArray,
     status: IntArray,
     ellipses: FloatArray,
     residual: FloatArray,
@@ -51,6 +54,6 @@ def fit_many(
     for k in range(len(offsets) - 1):
         arc = points[offsets[k] : offsets[k + 1]]
         own = weights[offsets[k] : offsets[k + 1]] if len(weights) else weights
-        status[k], row, residual[k] = _fit_one(arc, own, kind, first, second)
+        status[k], row, residual[k] = _fit_one(arc, own, kind, options)
         if status[k] == OK:
             ellipses[k] = row

@@ -107,7 +107,7 @@ def solved(scatter: FloatArray, constraint: FloatArray, absolute: bool) -> Float
     On exact data M is singular and its null vector outweighs all others, which is the solution.
     """
     values, vectors = np.linalg.eigh(scatter)
-    floor = 1e-18 * values[-1]
+    floor = max(1e-18 * values[-1], 1e-60)  # two conics through all points leave no scatter
     for j in range(len(values)):
         vectors[:, j] /= math.sqrt(max(values[j], floor))
     inner = vectors.T.copy() @ constraint @ vectors

@@ -28,6 +28,8 @@ from geoprim_core.fitting._kernels_pencil import gradients_of, scatter_of, solve
 
 _UNCERTAIN = 11
 _ROUND = np.array([0.5, 0.0, 0.5])  # the metric of the whitened coordinates themselves
+# Monomials scaled by these turn into each other by a rotation when u and v do.
+_EVEN = np.array([1.0, math.sqrt(2.0), 1.0, 1.0, 1.0, 1.0])
 
 
 @kernel
@@ -63,35 +65,41 @@ def _evidence(
 
 
 @kernel
-def certainty_of(points: FloatArray, weights: FloatArray) -> tuple[int, float, float]:
-    """Return status, certainty and noise of Taubin's conic in whitened coordinates.
+def certainty_of(points: FloatArray, weights: FloatArray) -> tuple[int, float, float, float]:
+    """Return status, D = (4 A C - B^2) / (A + C)^2, its standard error and the noise.
 
-    The certainty is 4 A C - B^2 in units of its standard error, which first order propagation
-    gives: the covariance of the conic is s^2 M+ V M+ / n.
+    The conic is Taubin's in whitened coordinates, where D is 1 for the circle that all ellipses
+    with points all round are mapped to; it does not change with the scale of the coefficients.
+    The error is that of first order: the covariance of the conic is s^2 M+ V M+ / n.
     """
     if few_distinct(points, weights):
-        return FEW, np.nan, np.nan
+        return FEW, np.nan, np.nan, np.nan
     moments, x0, y0, scale = point_sums(points, weights)
     status, m, frame = whitened(moments)
     if status != OK:
-        return status, np.nan, np.nan
+        return status, np.nan, np.nan, np.nan
     if not determined(reduced(m)):
-        return UNDETERMINED, np.nan, np.nan
+        return UNDETERMINED, np.nan, np.nan, np.nan
     scatter = scatter_of(m)
     conic = solved(scatter, gradients_of(m, _ROUND), False)
-    conic /= math.sqrt((conic * conic).sum())
     kind = classified(conic[0], conic[1], conic[2], FLAT)
+    if kind != OK:
+        return kind, np.nan, np.nan, np.nan
+    conic /= conic[0] + conic[2]
     spread, noise = _evidence(points, weights, conic, np.array([x0, y0, scale]), frame)
-    count = moments[0]
-    noise *= math.sqrt(count / max(count - 5.0, 1.0))
-    values, vectors = np.linalg.eigh(scatter)
-    slope = np.array([4.0 * conic[2], -2.0 * conic[1], 4.0 * conic[0], 0.0, 0.0, 0.0])
+    noise *= math.sqrt(moments[0] / max(moments[0] - 5.0, 1.0))
+    value = 4.0 * conic[0] * conic[2] - conic[1] ** 2
+    slope = np.zeros(6)
+    slope[0], slope[1] = 4.0 * conic[2] - 2.0 * value, -2.0 * conic[1]
+    slope[2] = 4.0 * conic[0] - 2.0 * value
+    values, vectors = np.linalg.eigh(scatter * np.outer(_EVEN, _EVEN))
+    slope *= _EVEN
     through = np.zeros(6)
-    for j in range(1, 6):  # without the direction of the conic itself
+    for j in range(1, 6):  # without the direction of the conic, along which D does not change
         through += vectors[:, j] * (slope @ vectors[:, j]) / values[j]
-    error = noise * math.sqrt(max(float(through @ spread @ through), 0.0) / count)
-    ratio = (4.0 * conic[0] * conic[2] - conic[1] ** 2) / max(error, 1e-300)
-    return kind, ratio, noise
+    through *= _EVEN
+    error = noise * math.sqrt(max(float(through @ spread @ through), 0.0) / moments[0])
+    return OK, value, error, noise
 
 
 @kernel
@@ -116,10 +124,10 @@ def selective_points(
 ) -> tuple[int, FloatArray, float]:
     """Fit an ellipse (5,) to points (n, 2) with weights (n,) or (0,); status, ellipse, residual."""
     nothing = np.full(5, np.nan)
-    status, ratio, scatter = certainty_of(points, weights)
+    status, value, error, scatter = certainty_of(points, weights)
     if status != OK:
         return status, nothing, np.nan
-    if not ratio >= certainty:
+    if not value >= certainty * error:
         return _UNCERTAIN, nothing, np.nan
     if scatter > noise:
         status, ellipse, residual = fit_points_of(points, weights, NSAF)

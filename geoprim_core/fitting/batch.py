@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -29,6 +30,7 @@ from geoprim_core.fitting.geometric import GeometricParams
 from geoprim_core.fitting.hyper import HyperParams
 from geoprim_core.fitting.liu import LiuParams
 from geoprim_core.fitting.maini import MainiParams
+from geoprim_core.fitting.selective import SelectiveParams
 from geoprim_core.params import Params
 from geoprim_core.types import Contours, EllipseFit, Ellipses
 
@@ -110,11 +112,11 @@ def fit_arrays(
     count = len(offsets) - 1
     status, rows = np.zeros(count, np.int64), np.full((count, 5), np.nan)
     residual = np.full(count, np.nan)
-    kind, first, second = _kernel_of(method, params)
+    kind, *options = _kernel_of(method, params)
     if kind == kinds.DIRECT and len(weights) == 0:
-        fit_arcs(points, offsets, int(first), status, rows, residual)
+        fit_arcs(points, offsets, int(options[0]), status, rows, residual)
     else:
-        fit_many(points, offsets, weights, kind, first, second, status, rows, residual)
+        fit_many(points, offsets, weights, kind, np.array(options), status, rows, residual)
     _limit(status, rows, params)
     arc = np.flatnonzero(status == OK)
     residual[status != OK] = np.nan
@@ -136,9 +138,13 @@ def ragged(arcs: Contours | Sequence[npt.ArrayLike]) -> tuple[FloatArray, IntArr
     """
     if isinstance(arcs, Contours):
         return arcs.positions, arcs.offsets
-    checked = [_check.points(arc, f"arcs[{k}]") for k, arc in enumerate(arcs)]
-    offsets = np.cumsum([0, *(len(arc) for arc in checked)])
-    return np.concatenate([np.zeros((0, 2)), *checked]), offsets
+    checked = [_check.numbers(arc, f"arcs[{k}]", (None, 2)) for k, arc in enumerate(arcs)]
+    offsets = np.cumsum([0, *map(len, checked)])
+    points = np.concatenate([np.zeros((0, 2)), *checked])
+    if not np.isfinite(points).all():
+        for k, arc in enumerate(checked):
+            _check.points(arc, f"arcs[{k}]")
+    return points, offsets
 
 
 def _limit(status: IntArray, rows: FloatArray, params: Params) -> None:
@@ -151,19 +157,22 @@ def _limit(status: IntArray, rows: FloatArray, params: Params) -> None:
         status[ok & (rows[:, 2] > params.max_semi_major)] = TOO_LARGE
 
 
-def _kernel_of(method: str, params: Params) -> tuple[int, float, float]:
-    """Return the kernel's number and its two options, as the method's face would pass them."""
+def _kernel_of(method: str, params: Params) -> tuple[int, float, float, float]:
+    """Return the kernel's number and its options, as the method's face would pass them."""
     if isinstance(params, HyperParams):
-        return kinds.HYPER, float(params.terms == "all"), 0.0
+        return kinds.HYPER, float(params.terms == "all"), 0.0, 0.0
     if isinstance(params, MainiParams):
-        return kinds.MAINI, params.noise, float(params.copies)
+        return kinds.MAINI, params.noise, float(params.copies), 0.0
     if isinstance(params, LiuParams):
-        return kinds.LIU, params.rate, float(params.sweeps)
+        return kinds.LIU, params.rate, float(params.sweeps), 0.0
     if isinstance(params, AhnParams):
-        return kinds.AHN, float(params.iterations), float(params.start == "circle")
+        return kinds.AHN, float(params.iterations), float(params.start == "circle"), 0.0
     if isinstance(params, GeometricParams):
-        return kinds.GEOMETRIC, float(params.iterations), params.huber or float("inf")
+        return kinds.GEOMETRIC, float(params.iterations), params.huber or float("inf"), 0.0
     if isinstance(params, FitzgibbonParams):
-        return kinds.PENCIL, float(FITZGIBBON if params.normalise else RAW), 0.0
+        return kinds.PENCIL, float(FITZGIBBON if params.normalise else RAW), 0.0, 0.0
+    if isinstance(params, SelectiveParams):
+        gap = math.radians(params.direct_gap)
+        return kinds.SELECTIVE, params.certainty, params.direct_noise, gap
     kind, first = _PLAIN[method]
-    return kind, float(first), 0.0
+    return kind, float(first), 0.0, 0.0

@@ -13,16 +13,17 @@ from geoprim_core.fitting.shape import ellipse_row
 from geoprim_core.types import Ellipse, EllipseFit
 
 
-def conic_from_ellipse(ellipse: Ellipse) -> FloatArray:
+def conic_from_ellipse(ellipse: Ellipse, origin: tuple[float, float] = (0.0, 0.0)) -> FloatArray:
     """Return the conic (6,) a, b, c, d, f, g of an ellipse, scaled to -1 at its centre.
 
     It is negative inside and positive outside, and the same for every choice of angle of a
-    circle.
+    circle. Its coordinates are x - origin[0], y - origin[1]: near the ellipse its six numbers
+    know more digits of it.
 
     Raises
     ------
     InputError
-        The argument is not an Ellipse.
+        The argument is not an Ellipse, or the origin not two finite numbers.
 
     References
     ----------
@@ -33,11 +34,15 @@ def conic_from_ellipse(ellipse: Ellipse) -> FloatArray:
     >>> conic_from_ellipse(Ellipse(0, 0, 2, 1, 0)).tolist()
     [0.25, 0.0, 1.0, -0.0, -0.0, -1.0]
     """
-    conic: FloatArray = conic_of(ellipse_row(ellipse))
+    row = ellipse_row(ellipse)
+    row[:2] -= _check.finite(origin, "origin", (2,))
+    conic: FloatArray = conic_of(row)
     return conic
 
 
-def ellipse_from_conic(conic: npt.ArrayLike) -> EllipseFit:
+def ellipse_from_conic(
+    conic: npt.ArrayLike, origin: tuple[float, float] = (0.0, 0.0)
+) -> EllipseFit:
     """Return the ellipse of a conic of any scale and sign, or the reason why it has none.
 
     A circle has the angle 0. The centre comes out of differences of the coefficients, so an
@@ -48,16 +53,19 @@ def ellipse_from_conic(conic: npt.ArrayLike) -> EllipseFit:
     ----------
     conic : (6,) array
         a, b, c, d, f, g of thesis (4-1) in pixels.
+    origin : (x0, y0)
+        Where the conic's coordinates have their zero, in pixels.
 
     Returns
     -------
     EllipseFit
-        With the conic scaled to -1 at the centre; its residual is NaN, as there are no points.
+        With the conic, about the same origin, scaled to -1 at the centre; its residual is NaN,
+        as there are no points.
 
     Raises
     ------
     InputError
-        The conic is not six finite numbers.
+        The conic is not six finite numbers, or the origin not two.
 
     References
     ----------
@@ -74,4 +82,6 @@ def ellipse_from_conic(conic: npt.ArrayLike) -> EllipseFit:
     status, row = ellipse_of(coefficients)
     if status != OK:
         return EllipseFit(None, REASONS[status].replace("best conic", "conic"))
-    return EllipseFit(Ellipse(*(float(value) for value in row)), "", conic_of(row))
+    own = conic_of(row)
+    row[:2] += _check.finite(origin, "origin", (2,))
+    return EllipseFit(Ellipse(*row.tolist()), "", own)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,11 +12,30 @@ from geoprim_core import _check
 from geoprim_core._check import FloatArray, describe
 from geoprim_core.errors import InputError, ParameterError
 from geoprim_core.fitting._kernels_fit import ELLIFIT, NSAF, fit_group
-from geoprim_core.fitting._kernels_moments import add_moments
-from geoprim_core.fitting._outcome import outcome
+from geoprim_core.fitting._kernels_moments import add_moments, add_weighted_moments
+from geoprim_core.fitting._kernels_pencil import (
+    CHAUDHURI,
+    FITZGIBBON,
+    HARKER,
+    HYPER,
+    TAUBIN,
+    pencil_moments,
+)
+from geoprim_core.fitting._outcome import checked_weights, outcome
+from geoprim_core.fitting.fit_params import FitParams
 from geoprim_core.types import EllipseFit
 
-_METHODS = {"nsaf": NSAF, "ellifit": ELLIFIT}
+# Each method's kernel and its number there.
+_METHODS: dict[str, tuple[Callable[..., tuple[int, FloatArray, float]], int]] = {
+    "nsaf": (fit_group, NSAF),
+    "ellifit": (fit_group, ELLIFIT),
+    "halir_flusser": (fit_group, NSAF),
+    "fitzgibbon": (pencil_moments, FITZGIBBON),
+    "harker": (pencil_moments, HARKER),
+    "chaudhuri": (pencil_moments, CHAUDHURI),
+    "taubin": (pencil_moments, TAUBIN),
+    "hyper": (pencil_moments, HYPER),
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,9 +81,14 @@ class Moments:
 
 
 def point_moments(
-    points: npt.ArrayLike, origin: tuple[float, float] = (0.0, 0.0), scale: float = 1.0
+    points: npt.ArrayLike,
+    origin: tuple[float, float] = (0.0, 0.0),
+    scale: float = 1.0,
+    weights: npt.ArrayLike | None = None,
 ) -> Moments:
-    """Return the moments of points about an origin and in units of a scale.
+    """Return the moments of points, weighted or not, about an origin and in units of a scale.
+
+    The sum of the weights counts as the number of points, of which a fit wants at least five.
 
     The nearer the origin to the points and the scale to their extent, the less precision a
     fit loses: an ellipse of semi-minor axis b at a distance r loses a factor of (r / b)^4.
@@ -71,7 +96,8 @@ def point_moments(
     Raises
     ------
     InputError
-        The points are not a finite (n, 2) array, or the scale is not positive.
+        The points are not a finite (n, 2) array, the scale is not positive, or the weights are not
+        (n,) of at least 0.
 
     References
     ----------
@@ -85,11 +111,17 @@ def point_moments(
     cloud = _check.points(points)
     frame = Moments(np.zeros(15), origin, scale)
     values = np.zeros(15)
-    add_moments(cloud, frame.origin[0], frame.origin[1], float(scale), values)
+    own = checked_weights(weights, len(cloud))
+    if len(own):
+        add_weighted_moments(cloud, own, *frame.origin, float(scale), values)
+    else:
+        add_moments(cloud, *frame.origin, float(scale), values)
     return Moments(values, origin, scale)
 
 
-def fit_moments(moments: Moments, method: str = "ellifit") -> EllipseFit:
+def fit_moments(
+    moments: Moments, method: str = "ellifit", limits: FitParams | None = None
+) -> EllipseFit:
     """Fit an ellipse to points that are known by their moments alone.
 
     Moments do not tell repeated points apart; where fewer than five are distinct, the reason
@@ -98,7 +130,11 @@ def fit_moments(moments: Moments, method: str = "ellifit") -> EllipseFit:
     Parameters
     ----------
     moments : Moments
-    method : {"nsaf", "ellifit"}
+    method : str
+        One of nsaf, ellifit, halir_flusser, fitzgibbon, harker, chaudhuri, taubin and hyper, of
+        which the leading terms are used: the others need moments of order 6.
+    limits : FitParams, optional
+        Limits on the axes.
 
     Returns
     -------
@@ -125,4 +161,5 @@ def fit_moments(moments: Moments, method: str = "ellifit") -> EllipseFit:
     if method not in _METHODS:
         raise ParameterError("method", "one of " + ", ".join(_METHODS), describe(method))
     x, y = moments.origin
-    return outcome(*fit_group(moments.values, x, y, float(moments.scale), _METHODS[method]))
+    kernel, number = _METHODS[method]
+    return outcome(*kernel(moments.values, x, y, float(moments.scale), number), limits)

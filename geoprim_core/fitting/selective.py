@@ -19,7 +19,7 @@ class SelectiveParams(FitParams):
     """When an ellipse is certain, and when noise asks for the direct fit."""
 
     certainty: float = option(
-        1.0, "least 4 A C - B^2 of the best conic in units of its standard error", low=0.0
+        1.0, "standard errors by which the best conic has to be off a parabola", low=0.0
     )
     direct_noise: float = option(
         0.05, "noise, as a share of the points' extent, above which the direct fit is taken",

@@ -47,13 +47,19 @@ def skimage_ellipse_model(points: npt.ArrayLike) -> EllipseFit:
     from skimage.measure import EllipseModel
 
     cloud = _check.points(points)
-    if hasattr(EllipseModel, "from_estimate"):  # since scikit-image 0.26
-        model = EllipseModel.from_estimate(cloud)
-        if not model:
-            return EllipseFit(None, "no estimate")
-        return _canonical((*model.center, *model.axis_lengths, model.theta))
-    model = EllipseModel()
-    return _canonical(model.params) if model.estimate(cloud) else EllipseFit(None, "no estimate")
+    try:
+        if hasattr(EllipseModel, "from_estimate"):  # since scikit-image 0.26
+            with np.errstate(all="ignore"):
+                model = EllipseModel.from_estimate(cloud)
+            if not model:
+                return EllipseFit(None, "no estimate")
+            return _canonical((*model.center, *model.axis_lengths, model.theta))
+        model = EllipseModel()
+        return (
+            _canonical(model.params) if model.estimate(cloud) else EllipseFit(None, "no estimate")
+        )
+    except (TypeError, ValueError, np.linalg.LinAlgError) as problem:  # complex axes, for instance
+        return EllipseFit(None, str(problem))
 
 
 def peer_fits() -> dict[str, Callable[[npt.ArrayLike], EllipseFit]]:

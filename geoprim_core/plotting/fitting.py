@@ -85,15 +85,19 @@ _ERRORS = (("E13", "e13"), ("E14", "e14"), ("d", "distance"))
 def _draw_panel(
     axes: Any, outcomes: Outcomes, section: str, panel: Panel, peers: Sequence[str]
 ) -> None:
+    from matplotlib import colormaps
+
     title, measure = panel
-    tops = []
+    tops: list[float] = []
     for k, method in enumerate(outcomes.methods()):
         rows = outcomes.of(section, method)
         levels = sorted({o.setting.level for o in rows})
         values = [_mean([measure(o) for o in rows if o.setting.level == x]) for x in levels]
-        style = {"linestyle": "--"} if method in peers else {"marker": _MARKS[k % len(_MARKS)]}
-        axes.plot(levels, values, color=f"C{k % 10}", markersize=3.5, linewidth=1.0, label=method,
-                  **style)  # fmt: skip
+        style: dict[str, Any] = (
+            {"linestyle": "--"} if method in peers else {"marker": _MARKS[k % len(_MARKS)]}
+        )
+        style |= {"color": colormaps["tab20"](k % 20), "label": method}
+        axes.plot(levels, values, markersize=3.5, linewidth=1.0, **style)
         tops += [v for v in values if not math.isnan(v)]
     if "ElliFit" in title and tops:  # one method that goes astray must not flatten the others
         low, high = np.percentile(tops, [2, 90])

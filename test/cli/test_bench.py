@@ -9,6 +9,7 @@ import pytest
 
 from geoprim_core.cli.main import main
 from geoprim_core.evaluation.polygon_speed import long_wave, measure_polygons
+from geoprim_core.fitting import TABLE
 from geoprim_core.io.images import read_image, write_image
 from geoprim_core.synthetic import disc_image
 from geoprim_core.types import Contours
@@ -129,6 +130,17 @@ def test_scaling_gives_times_and_exponents(tmp_path, capsys):
     assert (tmp_path / "scaling_crowded_arcs.png").is_file()
 
 
+def test_the_speed_of_all_fits_is_a_table(tmp_path, capsys):
+    words = ["bench", "fitting", "--arcs", "20", "--repeat", "1", "--quiet"]
+    assert main([*words, "--output", str(tmp_path)]) == 0
+    text = capsys.readouterr().out
+    rows = {line.split(" | ")[0].strip("| "): line.split(" | ")[1:] for line in text.splitlines()}
+    assert {*TABLE.names, "cv2.fitEllipse", "cv2.fitEllipseAMS"} <= set(rows)
+    assert rows["cv2.fitEllipseDirect"][2] == "1.00"
+    assert all(float(rows[name][3]) > 0 for name in TABLE.names)
+    assert (tmp_path / "fitting_speed.md").read_text() == text.split("\nwritten")[0]
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -139,6 +151,7 @@ def test_scaling_gives_times_and_exponents(tmp_path, capsys):
         (["bench", "detectors", "--schemes"], "at least one detector"),
         (["bench", "detectors", "--count", "0"], "at least one image"),
         (["bench", "ablation", "--only", "nonsense"], "--only"),
+        (["bench", "fitting", "--arcs", "0"], "at least one of each"),
         (["evaluate"], "images with ground truth or a rendered set"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else None,

@@ -46,6 +46,21 @@ def test_round_trip_of_far_and_thin_ellipses_is_as_good_as_six_doubles_allow(
     assert misfit(truth, fit.ellipse) < 1e-14 * (1 + distance / ratio) ** 2 / ratio**2
 
 
+@given(
+    x=st.floats(-1e6, 1e6),
+    y=st.floats(-1e6, 1e6),
+    major=st.floats(0.5, 500),
+    ratio=st.floats(0.05, 1),
+    angle=st.floats(0, 3.1415),
+)
+@settings(max_examples=200, deadline=None)
+def test_about_an_origin_near_by_far_ellipses_come_back_too(x, y, major, ratio, angle):
+    truth = Ellipse(x, y, major, major * ratio, angle)
+    origin = (np.floor(x), np.floor(y))
+    fit = ellipse_from_conic(conic_from_ellipse(truth, origin), origin)
+    assert misfit(truth, fit.ellipse) < 1e-12 / ratio**2 * (1 + 1 / (major * ratio)) ** 2
+
+
 @given(x=st.floats(-500, 500), y=st.floats(-500, 500), radius=st.floats(0.5, 500))
 @settings(max_examples=100, deadline=None)
 def test_a_circle_comes_back_with_the_angle_zero(x, y, radius):

@@ -4,8 +4,17 @@ import numpy as np
 import pytest
 
 from geoprim_core.errors import InputError, ParameterError
-from geoprim_core.fitting import Moments, ellifit, fit_moments, nsaf, point_at, point_moments
-from geoprim_core.types import Ellipse
+from geoprim_core.fitting import (
+    HyperParams,
+    Moments,
+    ellifit,
+    fit_ellipse,
+    fit_moments,
+    nsaf,
+    point_at,
+    point_moments,
+)
+from geoprim_core.types import Ellipse, EllipseFit
 
 
 def curve(u: np.ndarray, v: np.ndarray, x: float, y: float, angle: float) -> np.ndarray:
@@ -112,8 +121,17 @@ def test_residual_is_twice_the_relative_radial_scatter():
     assert fit.residual == pytest.approx(2 * 0.2 / 50, rel=0.05)
 
 
-@pytest.mark.parametrize("name, method", [("nsaf", nsaf), ("ellifit", ellifit)])
-def test_summed_moments_fit_like_all_points_together(name, method):
+BY_MOMENTS = (
+    "nsaf", "ellifit", "halir_flusser", "fitzgibbon", "harker", "chaudhuri", "taubin", "hyper",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BY_MOMENTS)
+def test_summed_moments_fit_like_all_points_together(name):
+    def method(points: np.ndarray) -> EllipseFit:
+        params = HyperParams(terms="leading") if name == "hyper" else None
+        return fit_ellipse(points, name, params)
+
     rng = np.random.default_rng(48)
     truth = Ellipse(330, 210, 60, 35, 1.1)
     arcs = [
@@ -152,3 +170,10 @@ def test_moments_of_too_few_or_repeated_points_have_a_reason():
     four = [(10, 0), (0, 5), (-10, 0), (0, -5)]
     assert "more than one conic" in fit_moments(point_moments(four * 3)).reason
     assert "straight line" in fit_moments(point_moments([(i, 2 * i) for i in range(9)])).reason
+
+
+def test_weighted_moments_are_those_of_repeated_points():
+    points = np.array([(3.0, 5.0), (4.0, 1.0), (-2.0, 7.0)])
+    weighted = point_moments(points, (1, 2), 4.0, weights=[2, 0, 1])
+    repeated = point_moments(points[[0, 0, 2]], (1, 2), 4.0)
+    assert np.allclose(weighted.values, repeated.values, rtol=1e-14)

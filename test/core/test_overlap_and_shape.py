@@ -7,12 +7,15 @@ from hypothesis import strategies as st
 
 from geoprim_core.errors import InputError
 from geoprim_core.fitting import (
+    angular_span,
+    eccentric_angles,
     ellipse_boxes,
     outline_points,
     overlap_matrix,
     overlap_ratio,
     perimeter,
     point_at,
+    tangent_at,
 )
 from geoprim_core.types import Ellipse, Ellipses
 
@@ -166,3 +169,35 @@ def test_an_ellipse_that_touches_a_circle_from_inside_at_both_ends(angle):
     circle, inner = Ellipse(0, 0, 5, 5, 0), Ellipse(0, 0, 5, 2.5, angle)
     assert overlap_ratio(circle, inner) == pytest.approx(0.5, abs=1e-9)
     assert overlap_ratio(inner, circle) == pytest.approx(0.5, abs=1e-9)
+
+
+@given(a=ELLIPSES, start=st.floats(-7, 7), extent=st.floats(0, 6))
+@settings(max_examples=50, deadline=None)
+def test_eccentric_angles_are_the_way_back_and_span_their_range(a, start, extent):
+    t = np.linspace(start, start + extent, 60)  # neighbours closer than what is left of the turn
+    points = point_at(a, t)
+    turns = (eccentric_angles(points, a) - t) / (2 * np.pi)
+    assert np.allclose(turns, np.round(turns), atol=1e-9)
+    assert angular_span(points, a) == pytest.approx(extent, abs=1e-9)
+    stretched = np.array([a.x, a.y]) + 1.5 * (points - [a.x, a.y])
+    assert angular_span(stretched, a) == pytest.approx(extent, abs=1e-9)
+
+
+@given(a=ELLIPSES, t=st.floats(-7, 7))
+@settings(max_examples=50, deadline=None)
+def test_the_tangent_is_the_direction_of_a_small_step(a, t):
+    step = point_at(a, t + 1e-6) - point_at(a, t - 1e-6)
+    tangent = tangent_at(a, t)
+    assert np.hypot(*tangent) == pytest.approx(1.0, abs=1e-12)
+    assert np.allclose(step / np.hypot(*step), tangent, atol=1e-4)
+    assert (tangent_at(a, [t, t + 1])[0] == tangent).all()
+
+
+def test_span_and_tangent_refuse_what_is_none():
+    disc = Ellipse(0, 0, 1, 1, 0)
+    with pytest.raises(InputError, match="at least one point"):
+        angular_span(np.zeros((0, 2)), disc)
+    with pytest.raises(InputError, match="parameter"):
+        tangent_at(disc, np.inf)
+    assert eccentric_angles([(0, 0)], disc).tolist() == [0.0]
+    assert angular_span([(1, 0)], disc) == 0.0
