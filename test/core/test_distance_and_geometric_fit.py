@@ -70,6 +70,20 @@ def test_centre_axes_and_circle():
     assert np.allclose(distance_to_ellipse([(0, 0), (3, 4), (6, 8)], circle), [5, 0, 5])
 
 
+@given(ellipse=ELLIPSES, t=st.floats(0.01, 1.56), depth=st.floats(0, 1))
+@settings(max_examples=60, deadline=None)
+def test_on_the_evolute_the_distance_is_the_radius_of_curvature(ellipse, t, depth):
+    a, b = ellipse.semi_major, ellipse.semi_minor
+    radius = (a * a * np.sin(t) ** 2 + b * b * np.cos(t) ** 2) ** 1.5 / (a * b)
+    foot, normal = point_at(ellipse, [t]), normals(ellipse, np.array([t]))
+    inside = foot - min(depth * radius, b * b / a) * normal
+    expected = min(depth * radius, b * b / a)
+    assert distance_to_ellipse(inside, ellipse)[0] == pytest.approx(expected, abs=1e-10)
+    # On the evolute itself the foot is one still, unless the axis between has a nearer one.
+    centre = foot - radius * normal
+    assert distance_to_ellipse(centre, ellipse)[0] <= radius + 1e-10
+
+
 @pytest.mark.parametrize("exponent", range(1, 300, 23))
 def test_a_hair_off_the_major_axis_is_like_on_it(exponent):
     ellipse = Ellipse(0, 0, 50, 0.5, 0)
