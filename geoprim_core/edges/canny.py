@@ -39,14 +39,11 @@ class GradientLevels:
     noise : float
         Standard deviation of what is seen all over the image, or 0 where that is too little to
         matter.
-    excess : float
-        Noise before the blur grew, in times of what it may be; 1 where it is no more.
     """
 
     largest: float
     typical: float
     noise: float
-    excess: float = 1.0
 
 
 def to_gray(image: AnyArray, *, equalise: bool = False) -> AnyArray:
@@ -141,8 +138,7 @@ def steady_gradient(
     variance = growth**2 * (params.sigma**2 + _SOBEL_VARIANCE) - _SOBEL_VARIANCE
     sigma = min(params.noise_sigma, math.sqrt(variance))
     dx, dy, values = image_gradient(image, replace(params, sigma=sigma))
-    levels = replace(gradient_levels(values, params), excess=growth)
-    return dx, dy, values, levels, sigma
+    return dx, dy, values, gradient_levels(values, params), sigma
 
 
 def _noise_share(image: AnyArray, levels: GradientLevels, params: EdgeParams) -> float:

@@ -90,7 +90,7 @@ def trace_edges(image: AnyArray, params: EdgeParams | None = None) -> EdgeTrace:
     flat, low, high = find_edges(dx, dy, values, params, levels)
     edges = np.zeros(dx.shape, np.bool_)
     edges.ravel()[flat] = True
-    pixels = locate_pixels(flat, dx, dy, blur, levels.excess)
+    pixels = locate_pixels(flat, dx, dy, blur)
     contours = TABLE[params.linking].function(pixels, params=params)
     return EdgeTrace(gray, dx, dy, low, high, edges, contours)
 
@@ -144,4 +144,4 @@ def _find_pixels(image: AnyArray, params: EdgeParams) -> EdgePixels:
     dx, dy, values, levels, blur = steady_gradient(_check.image(image), params)
     flat, _, _ = find_edges(dx, dy, values, params, levels)
     del values
-    return locate_pixels(flat, dx, dy, blur, levels.excess)
+    return locate_pixels(flat, dx, dy, blur)

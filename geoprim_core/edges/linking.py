@@ -36,8 +36,6 @@ class EdgePixels:
         vector (x, y) of the grey-level gradient, from dark to bright.
     blur : float
         Standard deviation of the Gaussian blur before the gradient in pixels; NaN: not known.
-    excess : float
-        Noise in times of what it may be without the blur growing; 1 where it is no more.
     """
 
     x: Int32Array
@@ -45,7 +43,6 @@ class EdgePixels:
     index: UInt32Array
     table: Float32Array
     blur: float = float("nan")
-    excess: float = 1.0
 
     @property
     def image_size(self) -> tuple[int, int]:
@@ -55,11 +52,7 @@ class EdgePixels:
 
 
 def locate_pixels(
-    flat: UInt32Array,
-    dx: Float32Array,
-    dy: Float32Array,
-    blur: float = float("nan"),
-    excess: float = 1.0,
+    flat: UInt32Array, dx: Float32Array, dy: Float32Array, blur: float = float("nan")
 ) -> EdgePixels:
     """Return the edge pixels at rising flat indices with the position and direction of the edge.
 
@@ -72,7 +65,7 @@ def locate_pixels(
     margin = _kernels_pixels.MARGIN
     index = np.empty((height + margin, width + margin), np.uint32)
     x, y, table = _kernels_pixels.locate(flat, dx, dy, index)
-    return EdgePixels(x, y, index, table, blur, excess)
+    return EdgePixels(x, y, index, table, blur)
 
 
 def link_by_direction(pixels: EdgePixels, *, params: EdgeParams) -> Contours:
@@ -80,21 +73,19 @@ def link_by_direction(pixels: EdgePixels, *, params: EdgeParams) -> Contours:
 
     A step leads along the edge to a pixel within `reach` whose gradient, sign included, differs
     by at most `max_turn`, or twice that where the contour bends as much on both sides (small
-    circles); the shortest and straightest steps are taken first. In a noisy image directions
-    scatter more: there `max_turn` grows with the noise up to `noise_turn`. Contours so pass
+    circles); the shortest and straightest steps are taken first. Contours so pass
     through junctions, and the two edges of a stroke stay apart. A step over a missing pixel puts
     that pixel in, the only pixels that contours may share.
     """
     x, y, index, table = pixels.x, pixels.y, pixels.index, pixels.table
     slant = math.tan(math.radians(params.max_slant))
-    turn = min(params.max_turn * pixels.excess, max(params.max_turn, params.noise_turn))
-    limits = np.cos(np.radians([turn, 2.0 * turn]))
+    limits = np.cos(np.radians([params.max_turn, 2.0 * params.max_turn]))
     source, target, cost, cosine, double = _kernels_linking.find_steps(
         x, y, index, table, limits[1], params.reach, slant
     )
     before, after = _kernels_linking.chain(source, target, cost, cosine, double, limits)
     angle = _kernels_pixels.directions(table)
-    _kernels_linking.cut_corners(angle, before, after, math.radians(turn))
+    _kernels_linking.cut_corners(angle, before, after, math.radians(params.max_turn))
     return _contours(pixels, angle, before, after, params)
 
 

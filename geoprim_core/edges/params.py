@@ -81,13 +81,6 @@ class EdgeParams(Params):
         low=1.0,
         high=60.0,
     )
-    noise_turn: float = option(
-        22.0,
-        "largest such turn that a noisy image may have, 0 for no such growth",
-        unit="deg",
-        low=0.0,
-        high=60.0,
-    )
     reach: float = option(2.3, "longest step (linking direction)", unit="px", low=1.0, high=2.3)
     max_slant: float = option(
         35.0,

@@ -55,11 +55,6 @@ DEPARTURES = (
         "curves go on through their crossings",
     ),
     Departure(
-        "sharper turns linked in noisy images",
-        {"edges.noise_turn": 0.0},
-        "noise turns the gradient from pixel to pixel and would cut an outline into crumbs",
-    ),
-    Departure(
         "sub-pixel positions",
         {"edges.subpixel": False},
         "small and thin ellipses need tenths of a pixel",

@@ -279,14 +279,3 @@ def test_extract_and_trace_agree():
 def test_the_table_has_both_ways_of_linking():
     assert [row.name for row in TABLE] == ["direction", "junctions"]
     assert EdgeParams().linking == "direction"
-
-
-def test_sharper_turns_are_linked_where_noise_asks_for_them_only():
-    noise = np.random.default_rng(7).normal(0, 30, disc(9).shape)
-    noisy = np.clip(disc(9) + noise, 0, 255).astype(np.uint8)
-    for image, more in ((disc(9), False), (noisy, True)):
-        plain = extract_contours(image, EdgeParams(noise_turn=0.0))
-        same = extract_contours(image, EdgeParams(noise_turn=EdgeParams().max_turn))
-        grown = extract_contours(image)
-        np.testing.assert_array_equal(plain.positions, same.positions)
-        assert (len(grown.points) > len(plain.points)) == more
