@@ -146,7 +146,10 @@ def test(environment: Environment, rest: list[str]) -> int:
         code = environment.call([environment.folder / "bin" / words[0], *words[1:]])
         if code:
             return code
-    return environment.call([*pytest, *rest])
+    if rest:
+        return environment.call([*pytest, *rest])
+    library = environment.call([*pytest, "-n", "2", "--ignore=test/ros"])
+    return environment.call([*pytest, "test/ros"]) or library
 
 
 def set_up(environment: Environment) -> None:

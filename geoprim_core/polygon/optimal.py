@@ -72,6 +72,8 @@ def optimal(
     Among polygons of equal number that of least error is taken, for `max_deviation` that of least
     ISE; of polygons of equal error one with the longest outline. Distances are those to the
     infinite line through a segment's ends. A closed curve's start vertex is searched as well.
+    Errors come from sums of squares, so that points closer together than some 1e-7 of the curve's
+    extent count as one.
 
     Parameters
     ----------
