@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import cast
 
 import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import kernel
+
+# Typed, as numba may compile a kernel anew for each literal number.
+BACK, AHEAD = cast(int, np.int64(-1)), cast(int, np.int64(1))
 
 
 @kernel
@@ -76,10 +80,10 @@ def deb_chords(
             if not alike or i == 0:
                 radius = radii[0] if alike else radii[offsets[k] + i]
                 skipped = _skipped(radius, longest)
-            back = _neighbour(curve, i, -1, closed[k], radius, skipped)
+            back = _neighbour(curve, i, BACK, closed[k], radius, skipped)
             if back < 0:
                 continue
-            ahead = _neighbour(curve, i, 1, closed[k], radius, skipped)
+            ahead = _neighbour(curve, i, AHEAD, closed[k], radius, skipped)
             if ahead < 0:
                 continue
             dx, dy = curve[ahead, 0] - curve[back, 0], curve[ahead, 1] - curve[back, 1]
@@ -98,8 +102,8 @@ def deb_curvature(curve: FloatArray, closed: bool, radii: FloatArray) -> FloatAr
     for i in range(len(curve)):
         radius = radii[0] if len(radii) == 1 else radii[i]
         skipped = _skipped(radius, longest)
-        back = _neighbour(curve, i, -1, closed, radius, skipped)
-        ahead = _neighbour(curve, i, 1, closed, radius, skipped)
+        back = _neighbour(curve, i, BACK, closed, radius, skipped)
+        ahead = _neighbour(curve, i, AHEAD, closed, radius, skipped)
         if back < 0 or ahead < 0:
             continue
         ax, ay = curve[i, 0] - curve[back, 0], curve[i, 1] - curve[back, 1]
