@@ -15,6 +15,7 @@ IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 AnyArray = npt.NDArray[Any]
 _FLOAT = np.dtype(np.float64)
+_FEW = 4096
 
 
 def describe(value: object) -> str:
@@ -61,7 +62,9 @@ def numbers(value: object, argument: str, shape: tuple[int | None, ...]) -> Floa
 def finite(value: object, argument: str, shape: tuple[int | None, ...]) -> FloatArray:
     """Like `numbers`, and refuse NaN and infinity."""
     array = numbers(value, argument, shape)
-    if math.isfinite(np.vdot(array, array)):  # which may overflow where all numbers are finite
+    # The product is quick on few numbers, and may overflow where all are finite; on many it would
+    # wake the threads of the linear algebra library, which then spin.
+    if array.size <= _FEW and math.isfinite(np.vdot(array, array)):
         return array
     if not np.isfinite(array).all():
         where = np.argwhere(~np.isfinite(array))[0]
