@@ -55,7 +55,7 @@ def same(a: Ellipse, b: Ellipse, tolerance: float) -> bool:
 
 @ROWS
 @given(ellipse=ELLIPSES, start=st.floats(0, 6.28), extent=st.floats(2.0, 6.2))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_points_on_an_ellipse_give_that_ellipse(row, ellipse, start, extent):
     points = sample(row, ellipse, start, extent)
     before = points.copy()
@@ -68,7 +68,7 @@ def test_points_on_an_ellipse_give_that_ellipse(row, ellipse, start, extent):
 
 @ROWS
 @given(ellipse=ELLIPSES, extent=st.floats(3.2, 6.2), seed=st.integers(0, 999))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=40, deadline=None)
 def test_the_fit_moves_turns_mirrors_and_grows_with_the_points(row, ellipse, extent, seed):
     noise = np.random.default_rng(seed).normal(0, 0.01 * ellipse.semi_minor, (40, 2))
     points = arc(ellipse, 0.5, extent) + noise
@@ -97,7 +97,7 @@ def test_the_fit_moves_turns_mirrors_and_grows_with_the_points(row, ellipse, ext
 
 @ROWS
 @given(ellipse=ELLIPSES)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=40, deadline=None)
 def test_a_quarter_turn_of_exact_points_turns_the_ellipse(row, ellipse):
     points = sample(row, ellipse, 1.0, 4.0)
     turned = np.stack([-points[:, 1], points[:, 0]], axis=1)
@@ -109,7 +109,7 @@ def test_a_quarter_turn_of_exact_points_turns_the_ellipse(row, ellipse):
 
 @ROWS
 @given(ellipse=ELLIPSES, seed=st.integers(0, 999))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_conic_and_residual_agree_with_the_ellipse(row, ellipse, seed):
     noise = np.random.default_rng(seed).normal(0, 0.02 * ellipse.semi_minor, (50, 2))
     points = arc(ellipse, 0.0, 6.0, 50) + noise

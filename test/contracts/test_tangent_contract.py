@@ -48,7 +48,7 @@ def check_turned(found: np.ndarray, expected: np.ndarray) -> None:
 
 @ROWS
 @given(drawn=curves(), dx=st.integers(-500, 500))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_angles_follow_a_shift_a_turn_a_mirror_and_a_reversal(row, drawn, dx):
     curve, closed = drawn
     before = curve.copy()
@@ -139,7 +139,7 @@ def test_wrong_points_are_refused(row):
 
 @ROWS
 @given(parts=st.lists(curves(), max_size=4))
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_estimate_tangents_is_the_method_on_each_contour(row, parts):
     offsets = np.cumsum([0, *(len(curve) for curve, _ in parts)])
     points = np.concatenate([np.zeros((0, 2)), *(curve for curve, _ in parts)])
