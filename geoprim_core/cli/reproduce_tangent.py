@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="only these and deb (all)",
     )
     parser.add_argument("--seed", type=int, default=0, help="seed of the curves' centres (0)")
-    parser.add_argument("--workers", type=int, help="processes (one a processor)")
+    parser.add_argument("--processes", type=int, help="at a time (all processors)")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="DIR", help="write report, tables and plots"
     )
@@ -84,7 +84,7 @@ def _results(arguments: argparse.Namespace, extent: Extent) -> Results:
     hidden = True if arguments.quiet else None
     with tqdm(total=task_count(extent), unit="task", file=sys.stderr, disable=hidden) as bar:
         return run_experiments(
-            extent, arguments.seed, workers=arguments.workers, step=lambda: bar.update()
+            extent, arguments.seed, workers=arguments.processes, step=lambda: bar.update()
         )
 
 

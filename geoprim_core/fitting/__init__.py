@@ -21,6 +21,7 @@ from geoprim_core.fitting.geometric import GeometricFit, GeometricParams, fit_ge
 from geoprim_core.fitting.halir_flusser import HalirFlusserParams, halir_flusser
 from geoprim_core.fitting.harker import HarkerParams, harker
 from geoprim_core.fitting.hyper import HyperParams, hyper
+from geoprim_core.fitting.linear import LinearParams, linear
 from geoprim_core.fitting.liu import LiuParams, liu
 from geoprim_core.fitting.maini import MainiParams, maini
 from geoprim_core.fitting.moments import Moments, fit_moments, point_moments
@@ -47,6 +48,7 @@ __all__ = [
     "HalirFlusserParams",
     "HarkerParams",
     "HyperParams",
+    "LinearParams",
     "LiuParams",
     "MainiParams",
     "Moments",
@@ -72,6 +74,7 @@ __all__ = [
     "halir_flusser",
     "harker",
     "hyper",
+    "linear",
     "liu",
     "maini",
     "nsaf",
@@ -126,6 +129,7 @@ TABLE = Table(
         HyperParams,
         "Kanatani and Rangarajan, Computational Statistics and Data Analysis 55, 2011",
     ),
+    Method("linear", linear, LinearParams, "Rosin, Pattern Recognition Letters 14, 1993"),
     Method("geometric", geometric, GeometricParams, "Gander, Golub and Strebel, BIT 34, 1994"),
     Method(
         "selective",

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import fused_kernel, kernel
+from geoprim_core._jit import kernel, lane_kernel
 from geoprim_core.fitting._kernels_fit import (
     COLLINEAR,
     FEW,
@@ -28,6 +28,8 @@ from geoprim_core.fitting._kernels_fit import (
 )
 
 _KNOWN = 1e-8  # mean square above which its rounding in the moments does not show
+_BLOCK = 128  # points whose powers are summed at a time
+ROOM = 15 + 2 * _BLOCK  # numbers that a fit needs to work in
 
 
 @kernel
@@ -37,28 +39,37 @@ def _middle_of(points: FloatArray) -> tuple[float, float]:
     return (first[0] + middle[0] + last[0]) / 3.0, (first[1] + middle[1] + last[1]) / 3.0
 
 
-@fused_kernel
+@lane_kernel
 def _mean_powers(points: FloatArray, x0: float, y0: float, mean: FloatArray) -> None:
-    """Write the means of u^p v^q to (15,), in the order of `_kernels_moments`."""
+    """Write the means of u^p v^q to (15,), in the order of `_kernels_moments`.
+
+    The points are taken apart into columns, a block at a time, behind the means in `mean`
+    (ROOM,): side by side in memory, coordinates fill the lanes of a processor.
+    """
     s1, s2, s3, s4, s5, s6, s7 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     s8, s9, s10, s11, s12, s13, s14 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(len(points)):
-        u, v = points[i, 0] - x0, points[i, 1] - y0
-        uu, uv, vv = u * u, u * v, v * v
-        s1 += u
-        s2 += v
-        s3 += uu
-        s4 += uv
-        s5 += vv
-        s6 += uu * u
-        s7 += uu * v
-        s8 += u * vv
-        s9 += vv * v
-        s10 += uu * uu
-        s11 += uu * uv
-        s12 += uu * vv
-        s13 += uv * vv
-        s14 += vv * vv
+    x, y = mean[15 : 15 + _BLOCK], mean[15 + _BLOCK :]
+    for start in range(0, len(points), _BLOCK):
+        count = min(_BLOCK, len(points) - start)
+        for i in range(count):
+            x[i], y[i] = points[start + i, 0] - x0, points[start + i, 1] - y0
+        for i in range(count):
+            u, v = x[i], y[i]
+            uu, uv, vv = u * u, u * v, v * v
+            s1 += u
+            s2 += v
+            s3 += uu
+            s4 += uv
+            s5 += vv
+            s6 += uu * u
+            s7 += uu * v
+            s8 += u * vv
+            s9 += vv * v
+            s10 += uu * uu
+            s11 += uu * uv
+            s12 += uu * vv
+            s13 += uv * vv
+            s14 += vv * vv
     share = 1.0 / len(points)
     mean[0], mean[1], mean[2], mean[3], mean[4] = (
         1.0,
@@ -129,7 +140,7 @@ def _largest_root(m00: float, m01: float, m02: float, m11: float, m12: float, m2
             break
         step = 3.0 * value / below
         t -= step
-        if step <= 1e-9 * (m00 + m22):  # the next one would be its cube
+        if step <= 1e-6 * (m00 + m22):  # the next one would be its cube
             break
     return t
 
@@ -184,7 +195,7 @@ def fit_arc(
 ) -> tuple[int, float]:
     """Fit an ellipse to points (n, 2); return status and residual, write the ellipse (5,).
 
-    `m` (15,) is room to work in. Without a fit the ellipse's five numbers are without meaning.
+    `m` (ROOM,) is room to work in. Without a fit the ellipse's five numbers are without meaning.
     """
     if not _five_differ(points) and few_distinct(points, np.zeros(0)):
         return FEW, np.nan
@@ -239,7 +250,7 @@ def fit_arcs(
     residual: FloatArray,
 ) -> None:
     """Fit an ellipse to every arc: status (k,), ellipse (k, 5), residual (k,)."""
-    m = np.empty(15)
+    m = np.empty(ROOM)
     for k in range(len(offsets) - 1):
         arc = points[offsets[k] : offsets[k + 1]]
         status[k], residual[k] = fit_arc(arc, method, m, ellipses[k])
@@ -253,5 +264,5 @@ def fit_curve(
     if len(weights):
         return fit_points_of(points, weights, method)
     ellipse = np.empty(5)
-    status, residual = fit_arc(points, method, np.empty(15), ellipse)
+    status, residual = fit_arc(points, method, np.empty(ROOM), ellipse)
     return status, ellipse, residual

@@ -124,7 +124,7 @@ def axes_of(p11: float, p12: float, p21: float, p22: float) -> tuple[float, floa
     total = p11 * p11 + p12 * p12 + p21 * p21 + p22 * p22
     even = p11 * p11 + p12 * p12 - p21 * p21 - p22 * p22
     odd = 2.0 * (p11 * p21 + p12 * p22)
-    gap = math.hypot(even, odd)
+    gap = math.sqrt(even * even + odd * odd)
     semi_major = math.sqrt(0.5 * (total + gap))
     semi_minor = min(abs(p11 * p22 - p12 * p21) / semi_major, semi_major)
     if gap <= 1e-12 * total:

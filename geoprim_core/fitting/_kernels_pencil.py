@@ -32,7 +32,7 @@ from geoprim_core.fitting._kernels_fit import (
 )
 from geoprim_core.fitting._kernels_moments import shifted
 
-FITZGIBBON, TAUBIN, HYPER, HARKER, CHAUDHURI, RAW = range(6)
+FITZGIBBON, TAUBIN, HYPER, HARKER, CHAUDHURI, RAW, LINEAR = range(7)
 
 _U = np.array([2, 1, 0, 1, 0, 0])  # powers of u and v in the six monomials
 _V = np.array([0, 1, 2, 0, 1, 0])
@@ -150,6 +150,43 @@ def _mixed_types(m: FloatArray, metric: FloatArray) -> FloatArray:
 
 
 @kernel
+def _level(scatter: FloatArray, mean: FloatArray) -> tuple[FloatArray, float]:
+    """Return q, -1 of the least mean (q . monomials - 1)^2; or q, 0 where q is 0 at all points."""
+    values, vectors = np.linalg.eigh(scatter)
+    if values[0] <= 1e-15 * values[-1]:
+        return vectors[:, 0].copy(), 0.0
+    solution = np.zeros(len(mean))
+    for k in range(len(mean)):
+        share = 0.0
+        for j in range(len(mean)):
+            share += vectors[j, k] * mean[j]
+        for j in range(len(mean)):
+            solution[j] += vectors[j, k] * share / values[k]
+    return solution, -1.0
+
+
+@kernel
+def _linear(m: FloatArray) -> FloatArray:
+    """Return the conic that is nearest to 1 at all points, about the centre of a first such conic.
+
+    The first is about the mean of the points. One without a centre is returned as it is.
+    """
+    conic = np.zeros(6)
+    conic[:5], conic[5] = _level(scatter_of(m)[:5, :5].copy(), scatter_of(m)[5, :5].copy())
+    a, b, c, d, f = conic[0], conic[1], conic[2], conic[3], conic[4]
+    det = 4.0 * a * c - b * b
+    if conic[5] == 0.0 or abs(det) <= FLAT * (a * a + b * b + c * c):
+        return conic
+    x, y = (b * f - 2.0 * c * d) / det, (b * d - 2.0 * a * f) / det
+    about = scatter_of(shifted(m, x, y))
+    conic[:3], conic[5] = _level(about[:3, :3].copy(), about[5, :3].copy())
+    a, b, c = conic[0], conic[1], conic[2]
+    conic[3], conic[4] = -(2.0 * a * x + b * y), -(b * x + 2.0 * c * y)
+    conic[5] += a * x * x + b * x * y + c * y * y
+    return conic
+
+
+@kernel
 def conic_of_moments(m: FloatArray, metric: FloatArray, method: int) -> FloatArray:
     """Return the conic (6,) that a method chooses for whitened moments (15,)."""
     if method == TAUBIN:
@@ -158,6 +195,8 @@ def conic_of_moments(m: FloatArray, metric: FloatArray, method: int) -> FloatArr
         return solved(scatter_of(m), unbiased(m, metric), True)
     if method == HARKER:
         return _mixed_types(m, metric)
+    if method == LINEAR:
+        return _linear(m)
     return solved(scatter_of(m), ellipses_only(), False)
 
 

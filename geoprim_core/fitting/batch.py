@@ -16,7 +16,14 @@ from geoprim_core.fitting import _kernels_batch as kinds
 from geoprim_core.fitting._kernels_arcs import fit_arcs
 from geoprim_core.fitting._kernels_batch import fit_many
 from geoprim_core.fitting._kernels_fit import ELLIFIT, NSAF, OK
-from geoprim_core.fitting._kernels_pencil import CHAUDHURI, FITZGIBBON, HARKER, RAW, TAUBIN
+from geoprim_core.fitting._kernels_pencil import (
+    CHAUDHURI,
+    FITZGIBBON,
+    HARKER,
+    LINEAR,
+    RAW,
+    TAUBIN,
+)
 from geoprim_core.fitting._outcome import (
     REASONS,
     TOO_LARGE,
@@ -41,6 +48,7 @@ _PLAIN = {
     "taubin": (kinds.PENCIL, TAUBIN),
     "harker": (kinds.PENCIL, HARKER),
     "chaudhuri": (kinds.PENCIL, CHAUDHURI),
+    "linear": (kinds.PENCIL, LINEAR),
 }
 
 

@@ -18,6 +18,7 @@ from geoprim_core.fitting._kernels_pencil import (
     FITZGIBBON,
     HARKER,
     HYPER,
+    LINEAR,
     TAUBIN,
     pencil_moments,
 )
@@ -35,6 +36,7 @@ _METHODS: dict[str, tuple[Callable[..., tuple[int, FloatArray, float]], int]] = 
     "chaudhuri": (pencil_moments, CHAUDHURI),
     "taubin": (pencil_moments, TAUBIN),
     "hyper": (pencil_moments, HYPER),
+    "linear": (pencil_moments, LINEAR),
 }
 
 
@@ -131,8 +133,8 @@ def fit_moments(
     ----------
     moments : Moments
     method : str
-        One of nsaf, ellifit, halir_flusser, fitzgibbon, harker, chaudhuri, taubin and hyper, of
-        which the leading terms are used: the others need moments of order 6.
+        One of nsaf, ellifit, halir_flusser, fitzgibbon, harker, chaudhuri, taubin, linear and
+        hyper, of which the leading terms are used: the others need moments of order 6.
     limits : FitParams, optional
         Limits on the axes.
 

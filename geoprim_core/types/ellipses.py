@@ -83,8 +83,7 @@ class Ellipses(Frozen):
     @classmethod
     def from_array(cls, values: Any) -> Ellipses:
         """Build from an (n, 5) array of x, y, semi_major, semi_minor, angle."""
-        array = _check.finite(values, "values", (None, 5))
-        return cls(*(array[:, i].copy() for i in range(5)))
+        return cls(*_check.numbers(values, "values", (None, 5)).T.copy())
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -38,7 +38,7 @@ def test_a_folder_that_is_not_there_is_one_line(tmp_path, capsys):
 
 def test_chapter_three_is_rerun_with_chosen_methods(tmp_path, capsys):
     out, page = tmp_path / "out", tmp_path / "docs" / "tangents.md"
-    words = ["reproduce", "tangent", "--count", "1", "--methods", "lambda_mst", "--workers", "1"]
+    words = ["reproduce", "tangent", "--count", "1", "--methods", "lambda_mst", "--processes", "1"]
     words += ["--quiet", "-o", out, "--chooser", page]
     assert main([str(word) for word in words]) == 0
     printed = capsys.readouterr().out

@@ -123,6 +123,7 @@ def test_residual_is_twice_the_relative_radial_scatter():
 
 BY_MOMENTS = (
     "nsaf", "ellifit", "halir_flusser", "fitzgibbon", "harker", "chaudhuri", "taubin", "hyper",
+    "linear",
 )  # fmt: skip
 
 

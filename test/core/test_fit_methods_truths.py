@@ -1,5 +1,6 @@
 """What single ellipse fits are, told by what they minimise and by each other."""
 
+import cv2
 import numpy as np
 import pytest
 
@@ -18,6 +19,7 @@ from geoprim_core.fitting import (
     geometric,
     halir_flusser,
     hyper,
+    linear,
     liu,
     maini,
     nsaf,
@@ -94,6 +96,52 @@ def test_taubin_is_the_least_of_its_quotient():
     for _ in range(200):
         near = best * (1 + random.normal(0, 1e-3, 6))
         assert quotient(near) >= quotient(best) * (1 - 1e-9)
+
+
+def by_least_squares(points: np.ndarray) -> Ellipse:
+    """Return the two steps of `linear` as they are written down."""
+    x, y = (points - points.mean(axis=0)).T
+    one = np.ones(len(x))
+    a, b, c, d, f = np.linalg.lstsq(np.stack([x * x, x * y, y * y, x, y], axis=1), one)[0]
+    centre = np.linalg.solve([[2 * a, b], [b, 2 * c]], [-d, -f])
+    u, v = x - centre[0], y - centre[1]
+    a, b, c = np.linalg.lstsq(np.stack([u * u, u * v, v * v], axis=1), one)[0]
+    values, vectors = np.linalg.eigh([[a, b / 2], [b / 2, c]])
+    angle = np.arctan2(vectors[1, 0], vectors[0, 0]) % np.pi
+    return Ellipse(*(centre + points.mean(axis=0)), *(1 / np.sqrt(values)), angle)
+
+
+def test_linear_is_two_problems_of_linear_least_squares():
+    for seed in range(20):
+        points = noisy(seed, noise=1.0)
+        assert np.allclose(row(linear(points).ellipse), row(by_least_squares(points)), atol=1e-8)
+
+
+def test_linear_stretches_with_the_points():
+    points, stretch = noisy(8), np.array([[1.7, 0.4], [-0.2, 0.6]])
+    a, b, c, d, f, g = linear(points).conic
+    x, y = points.T
+    values = a * x * x + b * x * y + c * y * y + d * x + f * y + g
+    a, b, c, d, f, g = linear(points @ stretch).conic
+    x, y = (points @ stretch).T
+    stretched = a * x * x + b * x * y + c * y * y + d * x + f * y + g
+    assert np.allclose(stretched, values, atol=1e-8)
+
+
+def test_linear_finds_what_opencv_finds():
+    for seed in range(20):
+        points = noisy(seed, noise=1.0, extent=3.0)
+        (x, y), (width, height), _ = cv2.fitEllipse(points.astype(np.float32))
+        assert np.allclose(
+            row(linear(points).ellipse)[:4], [x, y, height / 2, width / 2], atol=0.02
+        )
+
+
+def test_a_conic_through_the_points_and_their_mean_has_no_constant_term():
+    t = np.linspace(1, 3, 20)
+    both = np.concatenate([t, -t])
+    cross = np.concatenate([np.stack([both, both], axis=1), np.stack([both, -both], axis=1)])
+    assert linear(cross + 50).reason == "the best conic is a hyperbola"
 
 
 def test_the_direct_fit_is_biased_taubin_less_and_hyper_least():
