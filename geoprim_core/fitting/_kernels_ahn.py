@@ -21,8 +21,10 @@ _UNSETTLED = 8
 
 
 @kernel
-def foot_motion(xi: float, yi: float, x: float, y: float, a: float, b: float) -> FloatArray:
-    """Return how the foot (x, y) of (xi, yi) moves with xc, yc, a, b, angle: (2, 5).
+def foot_motion(
+    xi: float, yi: float, x: float, y: float, a: float, b: float, motion: FloatArray
+) -> None:
+    """Write how the foot (x, y) of (xi, yi) moves with xc, yc, a, b, angle: (2, 5).
 
     All in the frame of the axes. The foot solves f1 = (a^2 y^2 + b^2 x^2 - a^2 b^2) / 2 = 0 and
     f2 = b^2 x (yi - y) - a^2 y (xi - x) = 0; the theorem of implicit functions gives the rest.
@@ -31,21 +33,17 @@ def foot_motion(xi: float, yi: float, x: float, y: float, a: float, b: float) ->
     aa, bb = a * a, b * b
     q11, q12 = bb * x, aa * y
     q21, q22 = bb * (yi - y) + aa * y, -bb * x - aa * (xi - x)
-    right = np.zeros((2, 5))
-    right[1, 0], right[1, 1] = -aa * y, bb * x
-    right[0, 2], right[1, 2] = -a * (y * y - bb), 2.0 * a * y * (xi - x)
-    right[0, 3], right[1, 3] = -b * (x * x - aa), -2.0 * b * x * (yi - y)
-    right[1, 4] = aa * y * yi + bb * x * xi
-    det = q11 * q22 - q12 * q21
-    motion = np.empty((2, 5))
-    for k in range(5):
-        motion[0, k] = (q22 * right[0, k] - q12 * right[1, k]) / det
-        motion[1, k] = (q11 * right[1, k] - q21 * right[0, k]) / det
-    motion[0, 0] += 1.0
-    motion[1, 1] += 1.0
-    motion[0, 4] -= y
-    motion[1, 4] += x
-    return motion
+    share = 1.0 / (q11 * q22 - q12 * q21)
+    right_a, right_b = -a * (y * y - bb), -b * (x * x - aa)
+    turn_a, turn_b = 2.0 * a * y * (xi - x), -2.0 * b * x * (yi - y)
+    turn = aa * y * yi + bb * x * xi
+    motion[0, 0], motion[1, 0] = 1.0 + q12 * aa * y * share, -q11 * aa * y * share
+    motion[0, 1], motion[1, 1] = -q12 * bb * x * share, 1.0 + q11 * bb * x * share
+    motion[0, 2] = (q22 * right_a - q12 * turn_a) * share
+    motion[1, 2] = (q11 * turn_a - q21 * right_a) * share
+    motion[0, 3] = (q22 * right_b - q12 * turn_b) * share
+    motion[1, 3] = (q11 * turn_b - q21 * right_b) * share
+    motion[0, 4], motion[1, 4] = -q12 * turn * share - y, q11 * turn * share + x
 
 
 @kernel
@@ -54,6 +52,7 @@ def _system(
 ) -> tuple[FloatArray, FloatArray, float]:
     """Return J'WJ, J'Wr and the cost r'Wr; the centre's two steps are along the axes."""
     matrix, vector, cost = np.zeros((5, 5)), np.zeros(5), 0.0
+    motion = np.empty((2, 5))
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
     a, b = ellipse[2], ellipse[3]
     for i in range(len(points)):
@@ -63,14 +62,16 @@ def _system(
         x, y = foot_of(abs(xi), abs(yi), a, b)
         x, y = math.copysign(x, xi), math.copysign(y, yi)
         cost += weight * ((xi - x) ** 2 + (yi - y) ** 2)
-        motion = foot_motion(xi, yi, x, y, a, b)
-        if not np.isfinite(motion).all():
+        foot_motion(xi, yi, x, y, a, b, motion)
+        if not math.isfinite(motion.sum()):
             continue
         for j in range(5):
             vector[j] += weight * (motion[0, j] * (xi - x) + motion[1, j] * (yi - y))
-            for k in range(5):
+            for k in range(j + 1):
                 product = motion[0, j] * motion[0, k] + motion[1, j] * motion[1, k]
                 matrix[j, k] += weight * product
+    for j in range(5):
+        matrix[:j, j] = matrix[j, :j]
     return matrix, vector, cost
 
 

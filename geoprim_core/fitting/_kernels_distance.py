@@ -15,13 +15,15 @@ def foot_of(px: float, py: float, major: float, minor: float) -> tuple[float, fl
     """Return the outline point nearest to (px, py), both in the frame of the axes, px, py >= 0.
 
     With tau = 1 + t / minor^2 the foot is (major^2 px / (t + major^2), py / tau), and tau is
-    the root of a falling convex function, which Newton's method reaches from the left.
+    the root of a falling convex function, which Newton's method reaches from the left. A step
+    from 1, where points on the outline have their root, ends left of it too.
     """
     if py > 0.0:
         ratio = (major / minor) ** 2
         gap = (major - minor) * (major + minor) / (minor * minor)
         z0, z1 = px / major, py / minor
-        tau = max(z1, ratio * z0 - gap)
+        tau = 1.0 + 0.5 * (z0 * z0 + z1 * z1 - 1.0) / (z0 * z0 / ratio + z1 * z1)
+        tau = max(tau, z1, ratio * z0 - gap)
         for _ in range(100):
             first, second = ratio * z0 / (tau + gap), z1 / tau
             value = first * first + second * second - 1.0
@@ -68,8 +70,8 @@ def _system(
         fu, fv = foot_of(abs(u), abs(v), major, minor)
         fu, fv = math.copysign(fu, u), math.copysign(fv, v)
         nu, nv = fu / (major * major), fv / (minor * minor)
-        size = math.hypot(nu, nv)
-        nu, nv = nu / size, nv / size
+        size = 1.0 / math.sqrt(nu * nu + nv * nv)
+        nu, nv = nu * size, nv * size
         residual = nu * (u - fu) + nv * (v - fv)
         weight = weights[i]
         if abs(residual) > huber:
@@ -83,8 +85,10 @@ def _system(
         row[4] = nv * fu - nu * fv
         for j in range(5):
             vector[j] += weight * row[j] * residual
-            for k in range(5):
+            for k in range(j + 1):
                 matrix[j, k] += weight * row[j] * row[k]
+    for j in range(5):
+        matrix[:j, j] = matrix[j, :j]
     return matrix, vector, cost, squares
 
 
