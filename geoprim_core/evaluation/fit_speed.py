@@ -25,12 +25,13 @@ _RUN = 1e-3  # seconds of calls that are timed together
 
 @dataclass(frozen=True, slots=True)
 class FitTime:
-    """Seconds of a fit: least and median of a single call, least of a batch, an arc."""
+    """Seconds of a fit: least and median of a single call, least of a batch and a loop, an arc."""
 
     name: str
     single: float
     median: float
     batch: float
+    loop: float
 
 
 def random_arcs(count: int, seed: int = 1) -> list[FloatArray]:
@@ -88,8 +89,8 @@ def measure_fits(
     """
     if arcs < 1 or repeat < 1:
         raise InputError("arcs, repeat", "at least one of each", f"{arcs}, {repeat}")
-    ours, theirs = _Arcs.of(random_arcs(arcs)), random_arcs(arcs)
-    narrow = [arc.astype(np.float32) for arc in theirs]
+    own = random_arcs(arcs)
+    ours, narrow = _Arcs.of(own), [arc.astype(np.float32) for arc in own]
     t = np.linspace(0.0, 4.0, 300)
     points = point_at(Ellipse(320, 240, 90, 50, 0.7), t)
     points += np.random.default_rng(2).normal(0, 0.4, points.shape)
@@ -100,6 +101,7 @@ def measure_fits(
     with one_processor():
         seconds = _by_turns(single, repeat, after_round)
         batch: dict[str, Callable[[], object]] = {}
+        loops: dict[str, Callable[[], object]] = {}
         shares = {}
         for name in single:
             share = arcs if seconds[name].min() < _SLOW else max(arcs // 10, 1)
@@ -108,13 +110,15 @@ def measure_fits(
                 batch[name] = partial(_loop, peers[name], narrow[:share])
             else:
                 batch[name] = partial(fit_ellipses, ours.first(share), name)
-        batches = _by_turns(batch, min(repeat, 7), after_round)
+                loops[f"{name} by single calls"] = partial(_loop, TABLE[name].function, own[:share])
+        batches = _by_turns(batch | loops, min(repeat, 7), after_round)
     return [
         FitTime(
             name,
             float(seconds[name].min()),
             float(np.median(seconds[name])),
             float(batches[name].min()) / shares[name],
+            float(batches.get(f"{name} by single calls", batches[name]).min()) / shares[name],
         )
         for name in single
     ]
@@ -125,21 +129,23 @@ def fit_speed_markdown(rows: Iterable[FitTime], reference: str) -> str:
 
     Examples
     --------
-    >>> print(fit_speed_markdown([FitTime("a", 2e-6, 3e-6, 1e-6)], "a").splitlines()[-1])
-    | a | 2.0 | 3.0 | 1.00 | 1.00 | 1.0 |
+    >>> rows = [FitTime("a", 2e-6, 3e-6, 1e-6, 4e-6), FitTime("b", 4e-6, 4e-6, 2e-6, 2e-6)]
+    >>> print(fit_speed_markdown(rows, "b").splitlines()[-2])
+    | a | 2.0 | 3.0 | 0.50 | 1.00 | 4.0 | 2.0 |
     """
     rows = list(rows)
     base = next((row for row in rows if row.name == reference), None)
     lines = [
         f"| method | one call, least us | median us | to {reference} | batch us an arc | "
-        "times faster than its loop |",
-        "|---|---:|---:|---:|---:|---:|",
+        f"times faster than a loop of its calls | than one of {reference} |",
+        "|---|---:|---:|---:|---:|---:|---:|",
     ]
     for row in rows:
         ratio = f"{row.single / base.single:.2f}" if base else ""
         gain = f"{base.batch / row.batch:.1f}" if base else ""
         cells = f"{row.single * 1e6:.1f} | {row.median * 1e6:.1f} | {ratio}"
-        lines.append(f"| {row.name} | {cells} | {row.batch * 1e6:.2f} | {gain} |")
+        own = f"{row.loop / row.batch:.1f}"
+        lines.append(f"| {row.name} | {cells} | {row.batch * 1e6:.2f} | {own} | {gain} |")
     return "\n".join(lines) + "\n"
 
 

@@ -122,7 +122,11 @@ def _whiten(m: FloatArray, alpha: float, beta: float, gamma: float) -> None:
 
 @kernel
 def _largest_root(m00: float, m01: float, m02: float, m11: float, m12: float, m22: float) -> float:
-    """Return the largest t of M q = t Z q, see `_kernels_fit._direct`."""
+    """Return the largest t of M q = t Z q, see `_kernels_fit._direct`.
+
+    Where an ellipse fits well it is near 0, where the cubic falls: Laguerre's steps start there,
+    else above it, at the value of a circle. All roots are real: the steps do not pass it.
+    """
     c0 = 0.25 * (
         m00 * (m11 * m22 - m12 * m12)
         - m01 * (m01 * m22 - m12 * m02)
@@ -130,17 +134,17 @@ def _largest_root(m00: float, m01: float, m02: float, m11: float, m12: float, m2
     )
     c1 = m02 * m11 - m01 * m12 + 0.25 * (m00 * m22 - m02 * m02)
     c2 = m02 - m11
-    t = 0.25 * (m00 + m22 + 2.0 * m02)
+    t = 0.0 if c1 < 0.0 else 0.25 * (m00 + m22 + 2.0 * m02)
     for _ in range(40):
         value = c0 + t * (c1 + t * (c2 - t))
         first = c1 + t * (2.0 * c2 - 3.0 * t)
         second = 2.0 * c2 - 6.0 * t
         below = first - math.sqrt(max(0.0, 4.0 * first * first - 6.0 * value * second))
-        if value >= 0.0 or below == 0.0:
+        if below == 0.0:
             break
         step = 3.0 * value / below
         t -= step
-        if step <= 1e-6 * (m00 + m22):  # the next one would be its cube
+        if abs(step) <= 1e-6 * (m00 + m22):  # the next one would be its cube
             break
     return t
 
