@@ -121,6 +121,23 @@ class RelativeMetrics:
         return float(np.sqrt(self.fidelity * self.efficiency))
 
 
+@dataclass(frozen=True, slots=True)
+class MeanRelative:
+    """Means of the comparison with the optimum: of an image's curves, or of a set's images.
+
+    Attributes
+    ----------
+    count : int
+        Curves of the image, or images of the set.
+    fidelity, efficiency, merit : float
+    """
+
+    count: int
+    fidelity: float
+    efficiency: float
+    merit: float
+
+
 def measure_polygon(
     points: npt.ArrayLike,
     indices: npt.ArrayLike,
@@ -299,3 +316,28 @@ def relative_metrics(
     fewest = len(optimal(curve, closed=closed, params=enough))
     fidelity = least / own.ise if own.ise > 0 else 1.0
     return RelativeMetrics(fidelity, fewest / own.vertices)
+
+
+def mean_relative(parts: Sequence[RelativeMetrics] | Sequence[MeanRelative]) -> MeanRelative:
+    """Return the means of an image over its curves, or of a data set over its images.
+
+    Raises
+    ------
+    InputError
+        There is nothing to take the mean of.
+
+    References
+    ----------
+    Thesis 2.2.4.3, as for the other metrics that are given there.
+
+    Examples
+    --------
+    >>> mean_relative([RelativeMetrics(1.0, 1.0), RelativeMetrics(0.25, 1.0)]).merit
+    0.75
+    """
+    if not parts:
+        raise InputError("parts", "at least one curve or image", "none")
+    names = ("fidelity", "efficiency", "merit")
+    return MeanRelative(
+        len(parts), *(float(np.mean([getattr(part, name) for part in parts])) for name in names)
+    )

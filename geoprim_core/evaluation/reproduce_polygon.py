@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from geoprim_core._check import AnyArray, FloatArray, IntArray
@@ -10,8 +10,12 @@ from geoprim_core.edges import extract_contours
 from geoprim_core.evaluation.polygon import (
     CurveMetrics,
     MeanMetrics,
+    MeanRelative,
+    RelativeMetrics,
     image_metrics,
+    mean_relative,
     measure_polygon,
+    relative_metrics,
     set_metrics,
 )
 from geoprim_core.polygon import TABLE
@@ -23,6 +27,7 @@ from geoprim_core.synthetic import (
     shrunk_boundary,
     silhouette,
 )
+from geoprim_core.types import Contours
 
 DIVISORS = (2, 3, 4, 5)
 COLUMNS = (
@@ -35,6 +40,11 @@ COLUMNS = (
     "reliability",
     "compression_ratio",
 )
+RELATIVE = ("fidelity", "efficiency", "merit")
+LONGEST_JUDGED = 2000
+"""Pixels of the longest curve that is held against the optimum, which takes seconds there."""
+SHORTEST_JUDGED = 40
+"""Pixels of the shortest contour of an image that is; most are specks, of which all is optimal."""
 _NOISY_SEEDS = (1, 2, 3)
 
 
@@ -58,7 +68,10 @@ class Variant:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One row of a table; `noise` and `divisor` tell what was done to the curve."""
+    """One row of a table; `noise` and `divisor` tell what was done to the curve.
+
+    `relative` is missing where the curve is too long for the optimum.
+    """
 
     table: str
     curve: str
@@ -66,20 +79,38 @@ class Row:
     metrics: CurveMetrics
     divisor: int = 1
     noise: int = 0
+    relative: RelativeMetrics | None = None
 
     def cells(self) -> list[str | float]:
         """Return the row as it stands in a file."""
         values = [getattr(self.metrics, name) for name in COLUMNS]
+        values += [getattr(self.relative, name, "") for name in RELATIVE]
         return [self.table, self.curve, self.label, self.divisor, self.noise, *values]
 
 
 @dataclass(frozen=True, slots=True)
 class SetRow:
-    """One method over a set of images (Table 2.7-9)."""
+    """One method over a set of images (Table 2.7-9).
+
+    `relative` is taken over the `judged` contours of SHORTEST_JUDGED to LONGEST_JUDGED pixels,
+    and missing where there are none; `curves` counts all.
+    """
 
     images: str
     label: str
     metrics: MeanMetrics
+    relative: MeanRelative | None = None
+    judged: int = 0
+    curves: int = 0
+
+
+_OTHERS = (
+    ("Lowe", "lowe"),
+    ("Blurred segments", "blurred_segments"),
+    ("Break points", "break_points"),
+    ("Teh-Chin", "teh_chin"),
+    ("Visvalingam", "visvalingam"),
+)
 
 
 def _variants() -> tuple[Variant, ...]:
@@ -93,6 +124,7 @@ def _variants() -> tuple[Variant, ...]:
     found += [Variant("Masood(mod)", "2.5-2", "masood_mod")]
     found += [Variant(f"Carmona({r})", "2.5-3", "carmona", (("ratio", r),)) for r in (0.3, 0.7)]
     found += [Variant("Carmona(mod)", "2.5-3", "carmona_mod")]
+    found += [Variant(label, "2.6", method) for label, method in _OTHERS]
     found += [Variant("Carmona(0.45)", "2.7-9", "carmona", (("ratio", 0.45),))]
     return tuple(found)
 
@@ -139,6 +171,8 @@ def own_curves() -> dict[str, FloatArray]:
 
 def curve_rows(curves: Mapping[str, FloatArray]) -> Iterator[Row]:
     """Yield the rows of Tables 2.3-1 and 2.5-1 to 2.5-3: every variant on every closed curve.
+
+    Methods of 2.6, of which the thesis has no table, follow with their default parameters.
 
     Examples
     --------
@@ -221,18 +255,57 @@ def image_rows(
     >>> rows[0].images, rows[0].label, rows[0].metrics.count
     ('discs', 'PRO(0.2)', 2)
     """
-    parts: dict[tuple[str, str], list[MeanMetrics]] = {}
+    parts: dict[tuple[str, str], list[_ImageRow]] = {}
     for name, image in images:
         contours = extract_contours(image)
         for variant in available(OVER_IMAGES) if len(contours) else ():
-            found = [
-                measure_polygon(c, variant.polygon(c, closed=bool(f)), closed=bool(f))
-                for c, f in zip(contours, contours.closed, strict=True)
-            ]
-            parts.setdefault((name, variant.label), []).append(image_metrics(found))
+            parts.setdefault((name, variant.label), []).append(_image_row(contours, variant))
         if after_image is not None:
             after_image()
-    return [SetRow(name, label, set_metrics(each)) for (name, label), each in parts.items()]
+    return [_set_row(name, label, each) for (name, label), each in parts.items()]
+
+
+_ImageRow = tuple[MeanMetrics, int, list[RelativeMetrics]]
+
+
+def _image_row(contours: Contours, variant: Variant) -> _ImageRow:
+    """Return the metrics of an image, how many contours it has, and the judgement of some."""
+    found, judgement = [], []
+    for curve, flag in zip(contours, contours.closed, strict=True):
+        closed = bool(flag)
+        indices = variant.polygon(curve, closed=closed)
+        found.append(measure_polygon(curve, indices, closed=closed))
+        relative = judge(curve, indices, closed=closed, shortest=SHORTEST_JUDGED)
+        judgement += [relative] if relative is not None else []
+    return image_metrics(found), len(found), judgement
+
+
+def _set_row(name: str, label: str, images: Sequence[_ImageRow]) -> SetRow:
+    relative = [mean_relative(judgement) for _, _, judgement in images if judgement]
+    return SetRow(
+        name,
+        label,
+        set_metrics([metrics for metrics, _, _ in images]),
+        mean_relative(relative) if relative else None,
+        sum(len(judgement) for _, _, judgement in images),
+        sum(count for _, count, _ in images),
+    )
+
+
+def judge(
+    curve: FloatArray, indices: IntArray, *, closed: bool, shortest: int = 2
+) -> RelativeMetrics | None:
+    """Return fidelity, efficiency and merit; None for a curve too short or too long for that.
+
+    Examples
+    --------
+    >>> bean = silhouette("bean")
+    >>> judge(bean, available(("RDP(mod)",))[0].polygon(bean, closed=True), closed=True).merit < 1
+    True
+    """
+    if not shortest <= len(curve) <= LONGEST_JUDGED or len(indices) < 2:
+        return None
+    return relative_metrics(curve, indices, closed=closed)
 
 
 def _row(
@@ -247,4 +320,5 @@ def _row(
 ) -> Row:
     indices = variant.polygon(curve, closed=closed)
     metrics = measure_polygon(curve, indices, closed=closed, span="first_pixel")
-    return Row(table, name, variant.label, metrics, divisor, noise)
+    relative = judge(curve, indices, closed=closed)
+    return Row(table, name, variant.label, metrics, divisor, noise, relative)

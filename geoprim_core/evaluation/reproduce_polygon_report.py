@@ -12,7 +12,8 @@ import numpy as np
 
 from geoprim_core.evaluation.claims import Claim, claim_lines, grid_lines
 from geoprim_core.evaluation.duality import LineFit
-from geoprim_core.evaluation.reproduce_polygon import COLUMNS, Row, SetRow
+from geoprim_core.evaluation.reproduce_polygon import COLUMNS, RELATIVE, Row, SetRow
+from geoprim_core.evaluation.reproduce_polygon_merit import merit_cells, merit_lines
 from geoprim_core.evaluation.thesis_tables import (
     DATA_SETS,
     FORMULA,
@@ -31,14 +32,17 @@ _LEGEND = (
     "FOM = CR / ISE; CR = M / N; precision and reliability as errata P1 and P2 of the thesis mend",
     "them, with s_max from the first pixel of a segment in the tables of curves, as printed, and",
     "between any two pixels in Table 2.7-9. Scale 1/k: the curve at 1/k of its resolution.",
+    "Fidelity, efficiency and merit compare a polygon with the optimal ones of as many vertices",
+    "and of as small an ISE; 1 is the optimum.",
 )
 
-_HEADS = ("M", "N", "MD", "ISE", "FOM", "precision", "reliability", "CR")
+_HEADS = ("M", "N", "MD", "ISE", "FOM", "precision", "reliability", "CR", *RELATIVE)
 _TITLES = {
     "2.3-1": "PRO",
     "2.5-1": "Ramer-Douglas-Peucker",
     "2.5-2": "Masood",
     "2.5-3": "Carmona",
+    "2.6": "other methods, default parameters (no table of the thesis)",
     "2.7-1": "scaling, PRO(1.0)",
     "2.7-2": "scaling, RDP(mod)",
     "2.7-3": "scaling, Masood(mod)",
@@ -59,7 +63,7 @@ def rows_csv(rows: Sequence[Row]) -> str:
     """
     file = io.StringIO()
     table = csv.writer(file, lineterminator="\n")
-    table.writerow(["table", "curve", "label", "divisor", "noise", *COLUMNS])
+    table.writerow(["table", "curve", "label", "divisor", "noise", *COLUMNS, *RELATIVE])
     table.writerows(row.cells() for row in rows)
     return file.getvalue()
 
@@ -89,6 +93,7 @@ def report_markdown(rerun: Rerun) -> str:
     lines = ["# Polygonal approximation: chapter 2 rerun", "", *_LEGEND, ""]
     lines += claim_lines(rerun.claims)
     lines += _published_lines(rows, rerun.published)
+    lines += merit_lines(rows, rerun.images)
     lines += _duality_lines(rerun.duality, rerun.pieces)
     for table in dict.fromkeys(row.table for row in rows):
         if table == "2.7-7":
@@ -146,7 +151,16 @@ def _table_lines(table: str, rows: Sequence[Row]) -> list[str]:
     for row in rows:
         values = [getattr(row.metrics, name) for name in COLUMNS]
         shown = [f"{v}" if isinstance(v, int) else f"{v:.2f}" for v in values]
-        cells.append((row.curve, row.label, f"1/{row.divisor}", row.noise or "", *shown))
+        cells.append(
+            (
+                row.curve,
+                row.label,
+                f"1/{row.divisor}",
+                row.noise or "",
+                *shown,
+                *merit_cells(row.relative),
+            )
+        )
     return [f"## Table {table}: {_TITLES.get(table, '')}", "", *grid_lines(heads, cells)]
 
 

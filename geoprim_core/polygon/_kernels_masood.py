@@ -15,11 +15,11 @@ from geoprim_core.polygon._kernels import deviation_bound_of
 from geoprim_core.polygon._kernels_heap import put, take_out
 from geoprim_core.polygon._kernels_moves import (
     Curve,
-    best_place,
-    cost_of,
     curve_of,
-    joined_cost,
+    error_between,
     largest_deviation,
+    place_of_least_deviation,
+    place_of_least_error,
 )
 
 REMEMBERED = 4  # moves of either side whose answers are kept; the others share the last place
@@ -38,7 +38,7 @@ class Chain(NamedTuple):
     value: FloatArray
     size: IntArray
     known: IntArray  # of each vertex and move: the neighbours and vertex last asked for, the answer
-    gain: FloatArray
+    found: FloatArray  # with it: the change of the squared error, or both segments' deviations
 
 
 class Plan(NamedTuple):
@@ -50,73 +50,81 @@ class Plan(NamedTuple):
 
 
 @kernel
-def _move(
-    curve: Curve, known: IntArray, gain: FloatArray, slot: int, a: int, v: int, b: int
-) -> tuple[int, float]:
-    """Return the best place of v between a and b and the change of cost; remember the answer.
-
-    A deletion changes few of the neighbourhoods that later plans ask for again.
-    """
-    if known[slot, 0] == a and known[slot, 1] == v and known[slot, 2] == b:
-        return known[slot, 3], gain[slot]
-    # Taken out once: a named tuple counts its arrays each time that it hands one out.
-    x, y, sums, hulls = curve.x, curve.y, curve.sums, curve.hulls
-    count, by_error, window = curve.size, curve.by_error, curve.window
-    now = joined_cost(x, y, sums, hulls, count, by_error, a, v, b)
-    place, best = best_place(x, y, sums, hulls, count, by_error, window, a, v, b, now)
-    known[slot, 0], known[slot, 1], known[slot, 2], known[slot, 3] = a, v, b, place
-    gain[slot] = best - now
-    return place, best - now
+def _change(curve: Curve, a: int, v: int, b: int) -> float:
+    """Return by how much the squared error grows when v goes from between a and b."""
+    x, y, sums, count = curve.x, curve.y, curve.sums, curve.size
+    parts = error_between(x, y, sums, count, a, v) + error_between(x, y, sums, count, v, b)
+    return error_between(x, y, sums, count, a, b) - parts
 
 
 @kernel
-def _plan(curve: Curve, chain: Chain, p: int, plan: Plan) -> float:
-    """Work out the deletion of p with all moves; return the squared error after less before.
+def _rate(curve: Curve, chain: Chain, wanted: IntArray, number: int, plan: Plan) -> None:
+    """Work out the deletion of some vertices with all moves; `plan` is that of the last one.
 
-    Only neighbours that gain by it move; the first that does not, ends the moves of its side.
+    The AEV is the squared error after less before, (2-57) with the sign of errata P7, or the
+    largest deviation of the segments that change (2-60). Only neighbours that gain by it move; the
+    first that does not, ends the moves of its side. What a move asks, and the answer, is kept: a
+    deletion changes few of the neighbourhoods that later plans ask for again.
     """
+    # One loop, and all taken out once: at every call, and each time that a named tuple hands an
+    # array out, numba counts it, which took most of the time.
     x, y, sums, hulls = curve.x, curve.y, curve.sums, curve.hulls
-    count, by_error, moves = curve.size, curve.by_error, curve.moves
+    count, by_error, moves, window = curve.size, curve.by_error, curve.moves, curve.window
+    known, found = chain.known, chain.found
     before, after, source, target = chain.before, chain.after, plan.source, plan.target
-    known, gain = chain.known, chain.gain
-    left, right, slot = before[p], after[p], 2 * REMEMBERED * p
-    value = 0.0
-    if by_error:
-        value = cost_of(x, y, sums, hulls, count, by_error, left, right) - joined_cost(
-            x, y, sums, hulls, count, by_error, left, p, right
-        )
-    size = 0
-    vertex, other = left, right
-    while size < moves and vertex != right and (curve.closed or vertex != 0):
-        a = before[vertex]
-        at = slot + min(size, REMEMBERED - 1)
-        place, change = _move(curve, known, gain, at, a, vertex, other)
-        if place == vertex:
-            break
-        value += change
-        source[size], target[size] = vertex, place
-        size += 1
-        vertex, other = a, place
-    up = size
-    vertex, other = right, target[0] if up > 0 else left
-    while size < up + moves and vertex != left and (curve.closed or vertex != count - 1):
-        b = after[vertex]
-        taken = False  # by the moves of the other side, in a small polygon
-        for k in range(up):
-            taken = taken or source[k] == vertex or source[k] == b
-        if taken:
-            break
-        at = slot + REMEMBERED + min(size - up, REMEMBERED - 1)
-        place, change = _move(curve, known, gain, at, other, vertex, b)
-        if place == vertex:
-            break
-        value += change
-        source[size], target[size] = vertex, place
-        size += 1
-        vertex, other = b, place
-    plan.counts[0], plan.counts[1] = up, size - up
-    chain.seen_before[p], chain.seen_after[p] = up + 2, size - up + 2
-    return value
+    for p in wanted[:number]:
+        left, right = before[p], after[p]
+        value = _change(curve, left, p, right) if by_error else 0.0
+        central, size = -1.0, 0  # deviation of the segment on which p was
+        for side in range(2):
+            begin, outer = size, 0.0
+            vertex, other = (left, right) if side == 0 else (right, target[0] if size > 0 else left)
+            fixed, end = (right, 0) if side == 0 else (left, count - 1)
+            while size - begin < moves and vertex != fixed and (curve.closed or vertex != end):
+                beyond = before[vertex] if side == 0 else after[vertex]
+                taken = False  # by the moves of the other side, in a small polygon
+                for k in range(begin):
+                    taken = taken or source[k] == vertex or source[k] == beyond
+                if taken:
+                    break
+                a, b = (beyond, other) if side == 0 else (other, beyond)
+                at = 2 * REMEMBERED * p + side * REMEMBERED + min(size - begin, REMEMBERED - 1)
+                if known[at, 0] != a or known[at, 1] != vertex or known[at, 2] != b:
+                    middle = vertex if vertex > a else vertex + count  # of the curve written twice
+                    last = b if b > a else b + count
+                    if by_error:
+                        place, found[at, 0] = place_of_least_error(
+                            x, y, sums, count, window, a, middle, last
+                        )
+                    else:
+                        place, found[at, 0], found[at, 1] = place_of_least_deviation(
+                            x, y, hulls, window, a, middle, last
+                        )
+                    known[at, 0], known[at, 1], known[at, 2] = a, vertex, b
+                    known[at, 3] = place if place < count else place - count
+                place = known[at, 3]
+                inner = found[at, 1 - side]
+                if size == begin:
+                    central = inner
+                if place == vertex:
+                    break
+                if by_error:
+                    value += found[at, 0]
+                else:
+                    value, outer = max(value, inner if size > begin else 0.0), found[at, side]
+                source[size], target[size] = vertex, place
+                size += 1
+                vertex, other = beyond, place
+            if not by_error:
+                value = max(value, outer)
+            plan.counts[side] = size - begin
+        chain.seen_before[p], chain.seen_after[p] = plan.counts[0] + 2, plan.counts[1] + 2
+        if not by_error:
+            if central < 0.0:  # no neighbour may move
+                last = right if right > left else right + count
+                central = largest_deviation(x, y, hulls, left, last)
+            value = max(value, central)
+        put(chain.items, chain.place, chain.value, chain.size, p, value)
 
 
 @kernel
@@ -148,21 +156,12 @@ def _worst(curve: Curve, vertices: IntArray, size: int, rule: int) -> tuple[floa
     for k in range(size - 1):
         low = vertices[k]
         high = vertices[k + 1] if vertices[k + 1] > low else vertices[k + 1] + count
-        value = largest_deviation(x, y, hulls, low, high, np.inf, -1)[0]
+        value = largest_deviation(x, y, hulls, low, high)
         largest = max(largest, value)
         if rule >= 0 and high - low > 1:
             dx, dy = x[high] - x[low], y[high] - y[low]
             excess = max(excess, value - deviation_bound_of(rule, dx, dy))
     return largest, excess
-
-
-@kernel
-def _rate(curve: Curve, chain: Chain, p: int, plan: Plan, vertices: IntArray) -> None:
-    """Compute the AEV of a vertex: (2-57) with the sign of errata P7, or (2-60)."""
-    value = _plan(curve, chain, p, plan)
-    if not curve.by_error:
-        value = _worst(curve, vertices, _new_vertices(chain, p, plan, vertices), -1)[0]
-    put(chain.items, chain.place, chain.value, chain.size, p, value)
 
 
 @kernel
@@ -183,28 +182,27 @@ def _delete(chain: Chain, p: int, plan: Plan) -> None:
 
 
 @kernel
-def _rate_again(
-    curve: Curve, chain: Chain, vertices: IntArray, size: int, farthest: IntArray,
-    plan: Plan, scratch: IntArray
-) -> None:  # fmt: skip
-    """Rate every vertex whose value has seen one of those that changed."""
-    last = curve.size - 1
+def _touched(curve: Curve, chain: Chain, changed: IntArray, size: int, touched: IntArray) -> int:
+    """List every vertex whose value has seen one of those that changed; return how many."""
+    before, after = chain.before, chain.after
+    last, number = curve.size - 1, 0
     for k in range(size):
-        v = vertices[k]
+        v = changed[k]
         if curve.closed or (v != 0 and v != last):
-            _rate(curve, chain, v, plan, scratch)
-            farthest[0] = max(farthest[0], max(chain.seen_before[v], chain.seen_after[v]))
+            touched[number] = v
+            number += 1
     for side in range(2):
-        v = vertices[0] if side == 0 else vertices[size - 1]
-        for step in range(1, farthest[0] + 1):
+        v = changed[0] if side == 0 else changed[size - 1]
+        for step in range(1, curve.moves + 3):
             if not curve.closed and v == (0 if side == 0 else last):
                 break
-            v = chain.before[v] if side == 0 else chain.after[v]
+            v = before[v] if side == 0 else after[v]
             if not curve.closed and (v == 0 or v == last):
                 break
             if (chain.seen_after[v] if side == 0 else chain.seen_before[v]) >= step:
-                _rate(curve, chain, v, plan, scratch)
-                farthest[0] = max(farthest[0], max(chain.seen_before[v], chain.seen_after[v]))
+                touched[number] = v
+                number += 1
+    return number
 
 
 @kernel
@@ -213,7 +211,7 @@ def _chain_of(vertices: IntArray, count: int) -> Chain:
         np.zeros(count, np.int64), np.zeros(count, np.int64), np.zeros(count, np.bool_),
         np.zeros(count, np.int64), np.zeros(count, np.int64),
         np.empty(count, np.int64), np.full(count, -1), np.zeros(count), np.zeros(1, np.int64),
-        np.full((2 * REMEMBERED * count, 4), -1), np.empty(2 * REMEMBERED * count),
+        np.full((2 * REMEMBERED * count, 4), -1), np.empty((2 * REMEMBERED * count, 2)),
     )  # fmt: skip
     for k in range(len(vertices)):
         a, b = vertices[k], vertices[k + 1 if k + 1 < len(vertices) else 0]
@@ -239,15 +237,12 @@ def masood_of(
     chain = _chain_of(vertices, curve.size)
     room = 2 * moves + 2
     plan = Plan(np.empty(room, np.int64), np.empty(room, np.int64), np.zeros(2, np.int64))
-    changed, scratch = np.empty(room, np.int64), np.empty(room, np.int64)
-    farthest = np.zeros(1, np.int64)
-    inner = vertices if closed else vertices[1:-1]
-    for k in range(len(inner)):
-        _rate(curve, chain, inner[k], plan, scratch)
-    farthest[0] = max(chain.seen_before.max(), chain.seen_after.max())
+    changed, touched = np.empty(room, np.int64), np.empty(2 * room + 4, np.int64)
+    inner = (vertices if closed else vertices[1:-1]).copy()
+    _rate(curve, chain, inner, len(inner), plan)
     while chain.size[0] > 0 and left > 2:
         p = chain.items[0]
-        _plan(curve, chain, p, plan)
+        _rate(curve, chain, chain.items, 1, plan)
         size = _new_vertices(chain, p, plan, changed)
         largest, excess = _worst(curve, changed, size, rule)
         violates = largest * largest > limit if by_error else excess > 0.0
@@ -267,5 +262,5 @@ def masood_of(
         left -= 1
         if violates:
             break
-        _rate_again(curve, chain, changed, size, farthest, plan, scratch)
+        _rate(curve, chain, touched, _touched(curve, chain, changed, size, touched), plan)
     return np.flatnonzero(chain.alive)

@@ -1,7 +1,7 @@
 """Kernels of a vertex that moves: what its two segments cost, and where they cost least.
 
-The cost of a segment is its squared error (`by_error`) or its largest deviation; costs are added
-in the first case, the larger one counts in the second.
+The cost of a segment is its squared error or its largest deviation; costs are added in the first
+case, the larger one counts in the second.
 """
 
 from __future__ import annotations
@@ -52,84 +52,107 @@ def curve_of(points: FloatArray, closed: bool, by_error: bool, window: int, move
 
 
 @kernel
-def largest_deviation(
-    x: FloatArray, y: FloatArray, hulls: Hulls, low: int, high: int, enough: float, hint: int
-) -> tuple[float, int]:
-    """Return the largest deviation of a segment, or one beyond `enough`, and where it is.
-
-    The point `hint` is looked at first: where one place of a vertex failed, the next will.
-    """
+def largest_deviation(x: FloatArray, y: FloatArray, hulls: Hulls, low: int, high: int) -> float:
+    """Return the largest deviation of a segment."""
     dx, dy = x[high] - x[low], y[high] - y[low]
     length = math.sqrt(dx * dx + dy * dy)
     if high - low > LONG or length == 0.0:
-        place, value = farthest_by_hulls(x, y, hulls, low, high)
-        return value, place
-    enough *= length
-    if low < hint < high:
-        value = abs(dx * (y[hint] - y[low]) - dy * (x[hint] - x[low]))
-        if value > enough:
-            return value / length, hint
-    best, place = 0.0, low
+        return farthest_by_hulls(x, y, hulls, low, high)[1]
+    largest = 0.0
     for i in range(low + 1, high):
-        value = abs(dx * (y[i] - y[low]) - dy * (x[i] - x[low]))
-        if value > best:
-            best, place = value, i
-            if best > enough:
-                break
-    return best / length, place
+        largest = max(largest, abs(dx * (y[i] - y[low]) - dy * (x[i] - x[low])))
+    return largest / length
 
 
 @kernel
-def cost_of(
-    x: FloatArray, y: FloatArray, sums: FloatArray, hulls: Hulls, count: int, by_error: bool,
-    a: int, b: int,
-) -> float:  # fmt: skip
-    """Return the cost of the segment from vertex a on to vertex b."""
-    high = b if b > a else b + count
-    if by_error:
-        return squared_error(x, y, sums, a, high)
-    return largest_deviation(x, y, hulls, a, high, np.inf, -1)[0]
+def error_between(
+    x: FloatArray, y: FloatArray, sums: FloatArray, count: int, a: int, b: int
+) -> float:
+    """Return the squared error of the segment from vertex a on to vertex b."""
+    return squared_error(x, y, sums, a, b if b > a else b + count)
 
 
 @kernel
-def joined_cost(
-    x: FloatArray, y: FloatArray, sums: FloatArray, hulls: Hulls, count: int, by_error: bool,
-    a: int, v: int, b: int,
-) -> float:  # fmt: skip
-    """Return the cost of the two segments a-v-b."""
-    first = cost_of(x, y, sums, hulls, count, by_error, a, v)
-    second = cost_of(x, y, sums, hulls, count, by_error, v, b)
-    return first + second if by_error else max(first, second)
-
-
-@kernel
-def best_place(
-    x: FloatArray, y: FloatArray, sums: FloatArray, hulls: Hulls, count: int, by_error: bool,
-    window: int, a: int, v: int, b: int, now: float,
+def place_of_least_error(
+    x: FloatArray, y: FloatArray, sums: FloatArray, count: int, window: int, a: int, middle: int,
+    last: int,
 ) -> tuple[int, float]:  # fmt: skip
-    """Return where between a and b the vertex v costs least, and what; it stays where ties.
-
-    The search goes from v either way and ends after `window` points without a gain. On a closed
-    curve it may reach all of the curve but one point (a = b).
-    """
-    middle = v if v > a else v + count  # indices of the curve written twice
-    last = b if b > a else b + count
-    place, best = v, now - 1e-9 * (1.0 + now)  # rounding is no improvement
-    first_hint, second_hint = -1, -1
+    """Return the place of least squared error, as below, and the change of the error."""
+    shift = count if middle >= count else 0
+    now = squared_error(x, y, sums, a, middle)
+    now += squared_error(x, y, sums, middle - shift, last - shift)
+    place, best = middle, now - 1e-9 * (1.0 + now)  # rounding is no improvement
     for side in (-1, 1):
         q, idle = middle + side, 0
         while a < q < last and idle < window:
-            if by_error:
-                value = squared_error(x, y, sums, a, q)
-                if value < best:
-                    value += squared_error(x, y, sums, q, last)
-            else:
-                value, first_hint = largest_deviation(x, y, hulls, a, q, best, first_hint)
-                if value < best:
-                    other, second_hint = largest_deviation(x, y, hulls, q, last, best, second_hint)
-                    value = max(value, other)
             idle += 1
+            value = squared_error(x, y, sums, a, q)
+            if value < best:
+                value += squared_error(x, y, sums, q, last)
             if value < best:
                 place, best, idle = q, value, 0
             q += side
-    return (place if place < count else place - count), (best if place != v else now)
+    return place, (best - now if place != middle else 0.0)
+
+
+@kernel
+def _is_beyond(x: FloatArray, y: FloatArray, low: int, high: int, i: int, limit: float) -> bool:
+    """Tell whether a point, if it is one of the segment's, is beyond a distance from its line."""
+    dx, dy = x[high] - x[low], y[high] - y[low]
+    value = abs(dx * (y[i] - y[low]) - dy * (x[i] - x[low]))
+    return bool(low < i < high and value > limit * math.sqrt(dx * dx + dy * dy) > 0.0)
+
+
+@kernel
+def place_of_least_deviation(
+    x: FloatArray, y: FloatArray, hulls: Hulls, window: int, a: int, middle: int, last: int
+) -> tuple[int, float, float]:
+    """Return where between a and last the vertex `middle` deviates least, and both deviations.
+
+    Places are those of the curve written twice. The vertex stays where ties. The search goes
+    from it either way and ends after `window` points without a gain. On a closed curve it may
+    reach all of the curve but one point (a and last are the same).
+
+    The points that were too far off at one place are looked at first at the next, which settles
+    most places. Then comes the segment that has grown: it is the likelier one to fail.
+    """
+    place, best, first, second = middle, np.inf, 0.0, 0.0
+    first_far, second_far = -1, -1
+    for side in (0, -1, 1):  # first where it is
+        q, idle = middle + side, 0
+        while a < q < last and idle < window:
+            idle += 1
+            one = two = np.inf
+            known = _is_beyond(x, y, a, q, first_far, best)
+            if not known and not _is_beyond(x, y, q, last, second_far, best):
+                for turn in range(2):
+                    is_first = (turn == 0) == (side > 0)
+                    low, high = (a, q) if is_first else (q, last)
+                    dx, dy = x[high] - x[low], y[high] - y[low]
+                    length = math.sqrt(dx * dx + dy * dy)
+                    value, far = 0.0, low
+                    if high - low > LONG or length == 0.0:
+                        far, value = farthest_by_hulls(x, y, hulls, low, high)
+                    else:
+                        enough = best * length
+                        for i in range(low + 1, high):
+                            away = abs(dx * (y[i] - y[low]) - dy * (x[i] - x[low]))
+                            if away > value:
+                                value, far = away, i
+                                if value > enough:
+                                    break
+                        value /= length
+                    if is_first:
+                        one, first_far = value, far
+                    else:
+                        two, second_far = value, far
+                    if value >= best:
+                        break
+            if max(one, two) < best:
+                place, best, idle = q, max(one, two), 0
+                first, second = one, two
+            if side == 0:
+                best -= 1e-9 * (1.0 + best)  # rounding is no improvement
+                break
+            q += side
+    return place, first, second

@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 
 from geoprim_core.errors import InputError
 from geoprim_core.evaluation.polygon import (
+    RelativeMetrics,
     image_metrics,
+    mean_relative,
     measure_image,
     measure_polygon,
     relative_metrics,
@@ -90,6 +92,13 @@ def test_only_the_optimum_has_merit_one():
     assert rival.fidelity < 1 and rival.efficiency <= 1 and 0 < rival.merit < 1
 
 
+def test_an_image_has_the_mean_merit_of_its_curves_and_a_set_that_of_its_images():
+    image = mean_relative([RelativeMetrics(0.25, 1.0), RelativeMetrics(1.0, 1.0)])
+    assert (image.count, image.fidelity, image.efficiency, image.merit) == (2, 0.625, 1.0, 0.75)
+    lone = mean_relative([RelativeMetrics(0.25, 0.25)])
+    assert mean_relative([image, lone]).merit == 0.5  # each image counts once
+
+
 def test_wrong_arguments_are_named():
     with pytest.raises(InputError, match="indices"):
         measure_polygon([(0, 0), (1, 0), (2, 0)], [0, 1])
@@ -97,5 +106,7 @@ def test_wrong_arguments_are_named():
         measure_polygon([(0, 0), (1, 0)], [0, 1], span="longest")
     with pytest.raises(InputError, match="at least one"):
         image_metrics([])
+    with pytest.raises(InputError, match="at least one"):
+        mean_relative([])
     with pytest.raises(InputError, match="polygons"):
         measure_image(Contours([(0, 0)], [0, 1], [False]), Polygons([], [0], []))

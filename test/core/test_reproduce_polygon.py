@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geoprim_core.errors import FileError
-from geoprim_core.evaluation import CurveMetrics, MeanMetrics
+from geoprim_core.evaluation import CurveMetrics, MeanMetrics, RelativeMetrics
 from geoprim_core.evaluation.duality import check_duality, duality_rows, fit_line, piece_rows
 from geoprim_core.evaluation.reproduce_polygon import (
     PROPOSED,
@@ -18,6 +18,7 @@ from geoprim_core.evaluation.reproduce_polygon import (
     available,
     curve_rows,
     formula_rows,
+    image_rows,
     noisy_rows,
     scaled_rows,
 )
@@ -25,11 +26,11 @@ from geoprim_core.evaluation.reproduce_polygon_claims import check_claims, check
 from geoprim_core.evaluation.reproduce_polygon_report import Rerun, report_markdown, rows_csv
 from geoprim_core.evaluation.thesis_tables import printed_rows
 from geoprim_core.io.chain_codes import decode_chain, read_chain_codes, read_published_rows
-from geoprim_core.synthetic import silhouette
+from geoprim_core.synthetic import disc_image, silhouette
 
 
-def made_up(label, *, cr=10.0, precision=0.4, table="2.7-5", curve="bean", **changes):
-    metrics = CurveMetrics(100, round(100 / cr), 1.3, 20.0, precision, 10.0, 100.0)
+def made_up(label, *, cr=10.0, precision=0.4, table="2.7-5", curve="bean", pixels=100, **changes):
+    metrics = CurveMetrics(pixels, round(100 / cr), 1.3, 20.0, precision, 10.0, 100.0)
     return Row(table, curve, label, metrics, **changes)
 
 
@@ -46,6 +47,44 @@ def test_rows_name_their_curve_method_and_what_was_done_to_it():
     fifth = [row.metrics.pixels for row in rows if row.divisor == 5]
     assert fifth and max(fifth) < len(bean["bean"]) / 3
     assert all(row.metrics.vertices >= 2 for row in formula_rows())
+
+
+def test_no_polygon_of_the_rerun_is_better_than_the_optimum():
+    rows = list(curve_rows({"bean": silhouette("bean")}))
+    judged = {row.label: row.relative for row in rows}
+    assert all(0 < part.fidelity <= 1 and 0 < part.efficiency <= 1 for part in judged.values())
+    assert judged["Break points"].merit == 1.0  # a polygon through all pixels
+    assert judged["Masood(mod)"].merit < 1.0
+    header, first = rows_csv(rows).splitlines()[:2]
+    assert header.endswith(",fidelity,efficiency,merit")
+    assert float(first.split(",")[-1]) == rows[0].relative.merit
+
+
+def test_the_report_ranks_by_merit_and_names_the_curves_left_out():
+    rows = [
+        made_up("RDP(mod)", table="2.5-1", relative=RelativeMetrics(0.25, 1.0)),
+        made_up("RDP(mod)", table="2.5-1", curve="star", relative=RelativeMetrics(1.0, 1.0)),
+        made_up("PRO(1.0)", table="2.3-1", relative=RelativeMetrics(1.0, 0.81)),
+        made_up("PRO(1.0)", table="2.3-1", curve="coast", pixels=3000),
+        made_up("PRO(1.0)", noise=2, relative=RelativeMetrics(0.01, 1.0)),
+    ]
+    lines = report_markdown(Rerun(rows)).splitlines()
+    first, second = "| PRO(1.0) | 1 | 1.00 | 0.81 | 0.90 |", "| RDP(mod) | 2 | 0.62 | 1.00 | 0.75 |"
+    places = [k for k, line in enumerate(lines) if line.startswith((first, second))]
+    assert lines[places[0]] == first + " 0.90 (bean) |"
+    assert lines[places[1]] == second + " 0.50 (bean) |"
+    assert "| PRO(1.0) | 0.90 (1) | 0.10 (1) | - | - |" in lines
+    assert any("left out" in line and line.endswith(": coast (3000 px).") for line in lines)
+
+
+def test_specks_of_an_image_are_counted_but_not_judged():
+    speck = disc_image(90, 60, centre=(75, 42), radius=4)
+    image = np.maximum(disc_image(90, 60, centre=(30, 30), radius=18), speck)
+    row = image_rows([("discs", image)])[0]
+    assert (row.judged, row.curves) == (1, 2)
+    assert row.relative is not None and row.relative.count == 1
+    alone = image_rows([("specks", speck)])[0]
+    assert (alone.relative, alone.judged, alone.curves) == (None, 0, 1)
 
 
 def test_claims_hold_and_fail_with_the_figures():
