@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_covariance import covariance_of, radius_at
 from geoprim_core.ecc._kernels_refined_fit import (
     MAD,
@@ -109,7 +109,7 @@ def refit_tightly(
     return width
 
 
-@kernel
+@inner_kernel
 def gap_figures(parameter: FloatArray, ellipse: FloatArray) -> tuple[float, float]:
     """Return the angular circumference and continuity ratios of supports at sorted parameters."""
     a, b = ellipse[2], ellipse[3]
@@ -138,7 +138,7 @@ def gap_figures(parameter: FloatArray, ellipse: FloatArray) -> tuple[float, floa
     return max(0.0, 1.0 - open_angle / (2.0 * math.pi)), continuity
 
 
-@kernel
+@inner_kernel
 def alignment_of(
     points: FloatArray,
     order: IntArray,

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_fit import (
     MAD,
     TUKEY,
@@ -95,7 +95,7 @@ def reach_of(
     return most
 
 
-@kernel
+@inner_kernel
 def near_copy(ellipses: FloatArray, count: int, ellipse: FloatArray) -> bool:
     """Tell whether an ellipse is within a pixel of one of the first `count`."""
     for k in range(count):
@@ -111,7 +111,7 @@ def near_copy(ellipses: FloatArray, count: int, ellipse: FloatArray) -> bool:
     return False
 
 
-@kernel
+@inner_kernel
 def look_at(
     head: Int32Array,
     following: Int32Array,
@@ -157,7 +157,7 @@ def look_at(
     return count
 
 
-@kernel
+@inner_kernel
 def improve(
     head: Int32Array,
     following: Int32Array,
@@ -220,7 +220,7 @@ def improve(
     return count
 
 
-@kernel
+@inner_kernel
 def median_offset(
     points: FloatArray, chosen: IntArray, ellipse: FloatArray, tally: IntArray
 ) -> float:
@@ -269,7 +269,7 @@ def refit_robustly(
     return width
 
 
-@kernel
+@inner_kernel
 def polish_support(
     head: Int32Array,
     following: Int32Array,

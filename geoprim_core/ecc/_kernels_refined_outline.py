@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_fit import offset_at
 from geoprim_core.ecc._kernels_refined_places import quarter_of
 
@@ -88,7 +88,7 @@ def new_walk(head: Int32Array, longest: float) -> Walk:
     )
 
 
-@kernel
+@inner_kernel
 def look(flat: Int32Array, corner: int, width: int, place: int, seen: Int32Array, size: int) -> int:
     """Note the first edge point of each of nine pixels, and the place that they are around.
 
@@ -107,7 +107,7 @@ def look(flat: Int32Array, corner: int, width: int, place: int, seen: Int32Array
     return int(kept)
 
 
-@kernel
+@inner_kernel
 def find_windows(
     head: Int32Array,
     ellipse: FloatArray,
@@ -149,7 +149,7 @@ def find_windows(
     return int(noted)
 
 
-@kernel
+@inner_kernel
 def weigh(walk: Walk, size: int, ellipse: FloatArray, cos: float, sin: float, reach: float,
           min_cos: float, polarity: int) -> None:  # fmt: skip
     """Tell of the points gathered which support an ellipse (1) and which cross its outline (2).
@@ -172,7 +172,7 @@ def weigh(walk: Walk, size: int, ellipse: FloatArray, cos: float, sin: float, re
         along[k] = (1 if good else 0) + (2 if across else 0)
 
 
-@kernel
+@inner_kernel
 def judge_points(
     following: Int32Array,
     points: FloatArray,
@@ -228,7 +228,7 @@ def judge_points(
     return count
 
 
-@kernel
+@inner_kernel
 def add_support(
     head: Int32Array,
     following: Int32Array,
@@ -257,7 +257,7 @@ def add_support(
     and normal, and points with the gradient across the outline.
     """
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    flat, width = head.ravel(), head.shape[1]
+    flat, width = head.reshape(head.size), head.shape[1]
     for first in range(start, end, CHUNK):
         last = min(first + CHUNK, end)
         noted = find_windows(head, ellipse, cos, sin, walk, first, last, sums)
@@ -277,7 +277,7 @@ def add_support(
     return count
 
 
-@kernel
+@inner_kernel
 def collect(
     head: Int32Array,
     following: Int32Array,
