@@ -11,13 +11,14 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core.ecc._kernels_refined_conic import direct_conic, ellipse_of_conic
 
 TUKEY = 4.685  # 95 % efficiency on normal errors
 MAD = 1.4826
 
 
-@kernel
+@inner_kernel
 def add_point(moments: FloatArray, x: float, y: float) -> None:
     """Add one point to a set of moments in place."""
     px = 1.0
@@ -48,7 +49,7 @@ def shifted_sums(
     return m0, s1, s2, s3, s4
 
 
-@kernel
+@inner_kernel
 def add_shifted(total: FloatArray, moments: FloatArray, dx: float, dy: float, scale: float) -> None:
     """Add to `total` the moments of the same points moved by (dx, dy), then scaled."""
     m = moments
@@ -80,133 +81,14 @@ def add_shifted(total: FloatArray, moments: FloatArray, dx: float, dy: float, sc
     total[20] += h40 * fourth
 
 
-@kernel
-def largest_root(b: float, c: float, d: float) -> float:
-    """Return the largest real root of x^3 + b x^2 + c x + d, all roots real."""
-    third = b / 3.0
-    q = third * third - c / 3.0
-    r = (third * third - c / 2.0) * third + d / 2.0
-    if q <= 0.0:
-        return -third
-    root = math.sqrt(q)
-    ratio = r / (q * root)
-    ratio = min(1.0, max(-1.0, ratio))
-    x = -2.0 * root * math.cos((math.acos(ratio) + 2.0 * math.pi) / 3.0) - third
-    for _ in range(2):
-        slope = (3.0 * x + 2.0 * b) * x + c
-        if slope != 0.0:
-            x -= (((x + b) * x + c) * x + d) / slope
-    return x
-
-
-@kernel
-def ellipse_of_conic(
-    a: float, b: float, c: float, d: float, e: float, f: float, out: FloatArray
-) -> bool:
-    """Write the ellipse a x^2 + b xy + c y^2 + d x + e y + f = 0 as a row; False if it is none."""
-    det = 4.0 * a * c - b * b
-    if not det > 0.0:
-        return False
-    x = (b * e - 2.0 * c * d) / det
-    y = (b * d - 2.0 * a * e) / det
-    k = -(f + 0.5 * (d * x + e * y))
-    mean = 0.5 * (a + c)
-    spread = 0.5 * math.hypot(a - c, b)
-    if mean < 0.0:
-        a, b, c, k, mean = -a, -b, -c, -k, -mean
-    if not (k > 0.0 and mean > spread):
-        return False
-    out[0] = x
-    out[1] = y
-    out[2] = math.sqrt(k / (mean - spread))
-    out[3] = math.sqrt(k / (mean + spread))
-    angle = 0.5 * math.atan2(-b, c - a)
-    if angle < 0.0:
-        angle += math.pi
-    out[4] = angle if angle < math.pi else 0.0
-    return bool(math.isfinite(out[2]))
-
-
-@kernel
-def lines_of(
-    i00: float,
-    i01: float,
-    i02: float,
-    i11: float,
-    i12: float,
-    i22: float,
-    u: float,
-    v: float,
-    w: float,
-    det: float,
-) -> tuple[float, float, float]:
-    """Return minus an inverse symmetric matrix (adjugate i over det) times (u, v, w)."""
-    return (
-        -(i00 * u + i01 * v + i02 * w) / det,
-        -(i01 * u + i11 * v + i12 * w) / det,
-        -(i02 * u + i12 * v + i22 * w) / det,
-    )
-
-
-@kernel
-def crossed(
-    x0: float, x1: float, x2: float, y0: float, y1: float, y2: float
-) -> tuple[float, float, float, float]:
-    """Return the cross product of two vectors and the square of its length."""
-    w0 = x1 * y2 - x2 * y1
-    w1 = x2 * y0 - x0 * y2
-    w2 = x0 * y1 - x1 * y0
-    return w0, w1, w2, w0 * w0 + w1 * w1 + w2 * w2
-
-
-@kernel
+@inner_kernel
 def fit_moments(m: FloatArray, x0: float, y0: float, scale: float, out: FloatArray) -> bool:
-    """Fit an ellipse to moments taken of ((x, y) - (x0, y0)) * scale; False if there is none.
-
-    Direct least squares in the partitioned form of Halir and Flusser; the 3x3 eigenproblem is
-    solved by its characteristic cubic.
-    """
-    a, b, c = m[10], m[6], m[5]
-    d, e, f = m[2], m[1], m[0]
-    i00 = d * f - e * e
-    i01 = c * e - b * f
-    i02 = b * e - c * d
-    det = a * i00 + b * i01 + c * i02
-    if not det > 1e-14 * a * d * f:
-        return False
-    i11 = a * f - c * c
-    i12 = b * c - a * e
-    i22 = a * d - b * b
-    t00, t10, t20 = lines_of(i00, i01, i02, i11, i12, i22, m[15], m[11], m[10], det)
-    t01, t11, t21 = lines_of(i00, i01, i02, i11, i12, i22, m[11], m[7], m[6], det)
-    t02, t12, t22 = lines_of(i00, i01, i02, i11, i12, i22, m[7], m[3], m[2], det)
-    g20 = 0.5 * (m[20] + m[15] * t00 + m[11] * t10 + m[10] * t20)
-    g21 = 0.5 * (m[16] + m[15] * t01 + m[11] * t11 + m[10] * t21)
-    g22 = 0.5 * (m[12] + m[15] * t02 + m[11] * t12 + m[10] * t22)
-    g10 = -(m[16] + m[11] * t00 + m[7] * t10 + m[6] * t20)
-    g11 = -(m[12] + m[11] * t01 + m[7] * t11 + m[6] * t21)
-    g12 = -(m[8] + m[11] * t02 + m[7] * t12 + m[6] * t22)
-    g00 = 0.5 * (m[12] + m[7] * t00 + m[3] * t10 + m[2] * t20)
-    g01 = 0.5 * (m[8] + m[7] * t01 + m[3] * t11 + m[2] * t21)
-    g02 = 0.5 * (m[4] + m[7] * t02 + m[3] * t12 + m[2] * t22)
-    minors = g00 * g11 - g01 * g10 + g00 * g22 - g02 * g20
-    minors += g11 * g22 - g12 * g21
-    det3 = g00 * (g11 * g22 - g12 * g21)
-    det3 -= g01 * (g10 * g22 - g12 * g20)
-    det3 += g02 * (g10 * g21 - g11 * g20)
-    root = largest_root(-(g00 + g11 + g22), minors, -det3)
-    g00, g11, g22 = g00 - root, g11 - root, g22 - root
-    v0, v1, v2, best = crossed(g10, g11, g12, g20, g21, g22)
-    w0, w1, w2, norm = crossed(g20, g21, g22, g00, g01, g02)
-    if norm > best:
-        v0, v1, v2, best = w0, w1, w2, norm
-    w0, w1, w2, norm = crossed(g00, g01, g02, g10, g11, g12)
-    if norm > best:
-        v0, v1, v2 = w0, w1, w2
-    u = t00 * v0 + t01 * v1 + t02 * v2
-    v = t10 * v0 + t11 * v1 + t12 * v2
-    w = t20 * v0 + t21 * v1 + t22 * v2
-    if not ellipse_of_conic(v0, v1, v2, u, v, w, out):
+    """Fit an ellipse to moments taken of ((x, y) - (x0, y0)) * scale; False if there is none."""
+    a, b, c, d, e, f = direct_conic(
+        m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[10], m[11], m[12], m[15], m[16],
+        m[20],
+    )  # fmt: skip
+    if not ellipse_of_conic(a, b, c, d, e, f, out):
         return False
     out[0] = out[0] / scale + x0
     out[1] = out[1] / scale + y0
@@ -231,7 +113,7 @@ def offset_at(
     return distance, gu * cos - gv * sin, gu * sin + gv * cos
 
 
-@kernel
+@inner_kernel
 def offset_of(
     ellipse: FloatArray, cos: float, sin: float, x: float, y: float
 ) -> tuple[float, float, float]:
@@ -240,7 +122,7 @@ def offset_of(
     return offset_at(x - ellipse[0], y - ellipse[1], cos, sin, flat, steep)
 
 
-@kernel
+@inner_kernel
 def solve5(matrix: FloatArray, vector: FloatArray) -> bool:
     """Solve a symmetric positive definite 5x5 system in place by Cholesky; False if singular."""
     for i in range(5):

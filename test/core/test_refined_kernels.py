@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geoprim_core.ecc import _kernels_refined_clutter as clutter
+from geoprim_core.ecc import _kernels_refined_conic as conic
 from geoprim_core.ecc import _kernels_refined_ends as ends
 from geoprim_core.ecc import _kernels_refined_final as final
 from geoprim_core.ecc import _kernels_refined_fit as fit
@@ -53,6 +54,14 @@ def test_the_added_moments_of_two_arcs_give_back_their_ellipse(ellipse, start, s
     row = np.empty(5)
     assert fit.fit_moments(total, x, y, scale, row)
     assert distance(row, ellipse) < 1e-3
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.floats(-1, 1), st.floats(0.01, 2), st.floats(0, 2), st.floats(1e-6, 1e6))
+def test_the_largest_root_of_a_cubic_is_found(largest, gap, other, unit):
+    p, q, r = unit * largest, unit * (largest - gap), unit * (largest - gap - other)
+    found = conic.largest_root(-(p + q + r), p * q + q * r + r * p, -p * q * r)
+    assert abs(found - p) <= 1e-9 * unit
 
 
 def test_points_on_a_line_have_no_ellipse():
