@@ -117,6 +117,15 @@ def inner_kernel(function: Function) -> Function:
     return _compiled(function, _nrt=False)
 
 
+def summing_kernel(function: Function) -> Function:
+    """Compile like `inner_kernel`, with sums in any order and as in `fused_kernel`.
+
+    For loops that add up: they then compile to vector instructions. The order is that of the
+    compiled code, so the same numbers have the same sum each time.
+    """
+    return _compiled(function, fastmath={"contract", "reassoc"}, _nrt=False)
+
+
 def _compiled(function: Function, **options: Any) -> Function:
     # The last is said of each, or a kernel has it from whatever is compiled first that calls it.
     options = {"nogil": True, "error_model": "numpy", "_nrt": True} | options

@@ -1,4 +1,4 @@
-"""Fitting kernels of the `refined` scheme: additive moments, direct fit, orthogonal refit.
+"""Fitting kernels of the `refined` scheme: additive moments, direct fit, distance.
 
 The moments of a point set are the 25 numbers sum(x^p y^q) at [5 p + q], of which those with
 p + q <= 4 are used.
@@ -8,14 +8,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from geoprim_core._check import FloatArray, IntArray
+from geoprim_core._check import FloatArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_conic import direct_conic, ellipse_of_conic
-
-TUKEY = 4.685  # 95 % efficiency on normal errors
-MAD = 1.4826
 
 
 @inner_kernel
@@ -120,91 +115,3 @@ def offset_of(
     """Return the signed distance of a point (Sampson) and the outward unit normal there."""
     flat, steep = 1.0 / (ellipse[2] * ellipse[2]), 1.0 / (ellipse[3] * ellipse[3])
     return offset_at(x - ellipse[0], y - ellipse[1], cos, sin, flat, steep)
-
-
-@inner_kernel
-def solve5(matrix: FloatArray, vector: FloatArray) -> bool:
-    """Solve a symmetric positive definite 5x5 system in place by Cholesky; False if singular."""
-    for i in range(5):
-        for j in range(i + 1):
-            value = matrix[i, j]
-            for k in range(j):
-                value -= matrix[i, k] * matrix[j, k]
-            if i == j:
-                if not value > 1e-12:
-                    return False
-                matrix[i, i] = math.sqrt(value)
-            else:
-                matrix[i, j] = value / matrix[j, j]
-    for i in range(5):
-        for k in range(i):
-            vector[i] -= matrix[i, k] * vector[k]
-        vector[i] /= matrix[i, i]
-    for i in range(4, -1, -1):
-        for k in range(i + 1, 5):
-            vector[i] -= matrix[k, i] * vector[k]
-        vector[i] /= matrix[i, i]
-    return True
-
-
-@kernel
-def refit(
-    points: FloatArray, chosen: IntArray, count: int, ellipse: FloatArray, steps: int, width: float
-) -> bool:
-    """Improve an ellipse in place: reweighted least squares on the Sampson distance.
-
-    In the frame where the ellipse is the unit circle the conic has five free coefficients; the
-    weights are Tukey's with the given width in pixels over the squared gradient. Returns False,
-    the ellipse unchanged, when a step fails.
-    """
-    current = ellipse.copy()
-    normal = np.empty((5, 5))
-    right = np.empty(5)
-    row = np.empty(5)
-    for _ in range(steps):
-        cos, sin = math.cos(current[4]), math.sin(current[4])
-        x0, y0, a, b = current[0], current[1], current[2], current[3]
-        ia, ib = 1.0 / a, 1.0 / b
-        narrow, common = 1.0 / (width * width), 1.0 / (a * b)
-        m40 = m31 = m22 = m13 = m04 = m30 = m21 = m12 = m03 = m20 = m11 = m02 = 0.0
-        r0 = r1 = r2 = r3 = r4 = 0.0
-        for k in range(count):  # scalars: an array is read and written for each point
-            dx, dy = points[chosen[k], 0] - x0, points[chosen[k], 1] - y0
-            u, v = (dx * cos + dy * sin) * ia, (dy * cos - dx * sin) * ib
-            uu, uv, vv = u * u, u * v, v * v
-            inverse = 1.0 / (4.0 * (uu * ia * ia + vv * ib * ib) + 1e-300)
-            f = uu + vv - 1.0
-            ratio = f * f * inverse * narrow
-            if ratio >= 1.0:
-                continue
-            weight = (1.0 - ratio) * (1.0 - ratio) * inverse * common
-            wuu, wuv, wvv, wf = weight * uu, weight * uv, weight * vv, weight * f
-            m40, m31, m22 = m40 + wuu * uu, m31 + wuu * uv, m22 + wuu * vv
-            m13, m04 = m13 + wuv * vv, m04 + wvv * vv
-            m30, m21, m12, m03 = m30 + wuu * u, m21 + wuu * v, m12 + wvv * u, m03 + wvv * v
-            m20, m11, m02 = m20 + wuu, m11 + wuv, m02 + wvv
-            r0, r1, r2, r3, r4 = r0 - wf * uu, r1 - wf * uv, r2 - wf * vv, r3 - wf * u, r4 - wf * v
-        normal[0, 0], normal[1, 0], normal[1, 1] = m40, m31, m22
-        normal[2, 0], normal[2, 1], normal[2, 2] = m22, m13, m04
-        normal[3, 0], normal[3, 1], normal[3, 2], normal[3, 3] = m30, m21, m12, m20
-        normal[4, 0], normal[4, 1], normal[4, 2] = m21, m12, m03
-        normal[4, 3], normal[4, 4] = m11, m02
-        right[0], right[1], right[2], right[3], right[4] = r0, r1, r2, r3, r4
-        size = normal[0, 0] + normal[2, 2]
-        for i in range(5):
-            right[i] /= size
-            for j in range(i + 1):
-                normal[i, j] /= size
-        if not solve5(normal, right):
-            return False
-        if not ellipse_of_conic(
-            (1.0 + right[0]) / (a * a), right[1] / (a * b), (1.0 + right[2]) / (b * b),
-            right[3] / a, right[4] / b, -1.0, row,
-        ):  # fmt: skip
-            return False
-        x = current[0] + row[0] * cos - row[1] * sin
-        y = current[1] + row[0] * sin + row[1] * cos
-        current[0], current[1], current[2], current[3] = x, y, row[2], row[3]
-        current[4] = (current[4] + row[4]) % math.pi
-    ellipse[:] = current
-    return True

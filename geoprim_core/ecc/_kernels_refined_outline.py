@@ -45,6 +45,8 @@ class Walk(NamedTuple):
     about : (4, m) float64
         Of the points seen: position about the centre and normal. Then: what `weigh` makes of them.
     along : (m,) int8
+    support : (3, N) float64
+        Supporting points: see `_kernels_refined_refit`.
     """
 
     places: FloatArray
@@ -54,6 +56,7 @@ class Walk(NamedTuple):
     near: BoolArray
     about: FloatArray
     along: Int8Array
+    support: FloatArray
 
 
 @kernel
@@ -74,8 +77,11 @@ def pixels_near(head: Int32Array) -> BoolArray:
 
 
 @kernel
-def new_walk(head: Int32Array, longest: float) -> Walk:
-    """Return room for walks in steps of a pixel or more; semi-axes are at most `longest`."""
+def new_walk(head: Int32Array, longest: float, total: int) -> Walk:
+    """Return room for walks in steps of a pixel or more; semi-axes are at most `longest`.
+
+    There are `total` edge points.
+    """
     quarter = 2 * int(longest) + 16
     return Walk(
         np.empty((quarter, 3)),
@@ -85,6 +91,7 @@ def new_walk(head: Int32Array, longest: float) -> Walk:
         pixels_near(head),
         np.empty((4, 4 * CHUNK * WINDOW + 1)),
         np.empty(4 * CHUNK * WINDOW + 1, np.int8),
+        np.empty((3, total + 1)),
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_fit import solve5
+from geoprim_core.ecc._kernels_refined_refit import solve5
 from geoprim_core.ecc._kernels_refined_support import doubt_of_clutter
 
 MOST_COVERED = 0.9  # share of the outline beyond which hardly anything is extrapolated

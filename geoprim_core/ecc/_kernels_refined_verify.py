@@ -174,7 +174,7 @@ def verify(
     owned, taken, tally, tries = counts[0], counts[1], counts[2], counts[3]
     stamp = np.zeros(total, np.int64)
     chosen = np.empty(total + 1, np.int64)
-    walk = new_walk(head, limits[MAX_SIZE])
+    walk = new_walk(head, limits[MAX_SIZE], total)
     work = np.empty(25)
     sums = np.empty(SUMS)
     ellipse = np.empty(5)

@@ -13,6 +13,7 @@ from geoprim_core.ecc import _kernels_refined_final as final
 from geoprim_core.ecc import _kernels_refined_fit as fit
 from geoprim_core.ecc import _kernels_refined_outline as outline
 from geoprim_core.ecc import _kernels_refined_places as places_of
+from geoprim_core.ecc import _kernels_refined_refit as refit
 from geoprim_core.ecc import _kernels_refined_stroke as stroke
 from geoprim_core.ecc import _kernels_refined_support as support
 
@@ -77,7 +78,8 @@ def test_the_refit_returns_from_a_nearby_ellipse_and_ignores_outliers(ellipse):
     points = points_of(ellipse, count=200)
     points[::20] += 8.0
     row = ellipse + np.array([0.3, -0.2, 0.4, -0.3, 0.004])
-    assert fit.refit(points, np.arange(200), 200, row, 8, 3.0)
+    near = np.concatenate([points.T, np.zeros((1, 200))])
+    assert refit.refit(near, 200, row, 8, 3.0)
     assert distance(row, ellipse) < 0.1
 
 
@@ -155,7 +157,7 @@ def collected(points, normals, ellipse, stride=2.0, min_cos=0.96):
     """
     head, following = support.index_points(points, normals, 120, 100)
     stamp, chosen = np.zeros(len(points), np.int64), np.empty(len(points) + 1, np.int64)
-    walk, sums = outline.new_walk(head, 100.0), np.empty(outline.SUMS)
+    walk, sums = outline.new_walk(head, 100.0, len(points)), np.empty(outline.SUMS)
     count = outline.collect(
         head, following, points, normals, ellipse, stride, 2.0, min_cos, 0, stamp, 1, walk,
         chosen, sums,
