@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_outline import (
     ACROSS,
     COVERED_PLACE,
@@ -46,7 +46,7 @@ def neighbours_of(points: FloatArray, contour: IntArray) -> IntArray:
     return links
 
 
-@kernel
+@inner_kernel
 def continuing_share(
     links: IntArray, stamp: IntArray, mark: int, chosen: IntArray, count: int
 ) -> float:
@@ -72,7 +72,7 @@ def continuing_share(
     return leaving / ends if ends > 0 else 0.0
 
 
-@kernel
+@inner_kernel
 def is_crossed(
     head: Int32Array,
     following: Int32Array,
@@ -105,7 +105,7 @@ def place_on_outline(m: int, size: int) -> int:
     return 4 * k + 3 if quarter == 2 else 4 * (size - 1 - k) + 2
 
 
-@kernel
+@inner_kernel
 def is_end_crossed(
     head: Int32Array,
     following: Int32Array,
@@ -129,7 +129,7 @@ def is_end_crossed(
     return bool(is_crossed(head, following, normals, x, y, nx, ny))
 
 
-@kernel
+@inner_kernel
 def unexplained_share(
     head: Int32Array,
     following: Int32Array,

@@ -7,14 +7,10 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_covariance import covariance_of, radius_at
-from geoprim_core.ecc._kernels_refined_fit import (
-    MAD,
-    TUKEY,
-    offset_of,
-    refit,
-)
+from geoprim_core.ecc._kernels_refined_fit import offset_of
+from geoprim_core.ecc._kernels_refined_refit import FAR, MAD, TUKEY, X, Y, measure_points, refit
 from geoprim_core.ecc._kernels_refined_support import arcs_of_points
 
 GAP = 4.0  # pixels along the outline without support that end an arc
@@ -86,17 +82,15 @@ def refit_tightly(
     Reason for the narrow weights: what crosses or touches an outline at a small angle lies nearer
     to it than the widest scatter of an edge.
     """
-    distances = np.empty(len(points))
-    every = np.arange(len(points))
+    count = len(points)
+    near = np.empty((3, count))
+    near[X], near[Y] = points[:, 0], points[:, 1]
     row = ellipse.copy()
     width = LEAST_WIDTH
     for _ in range(ROUNDS):
-        cos, sin = math.cos(row[4]), math.sin(row[4])
-        for k in range(len(points)):
-            d, _, _ = offset_of(row, cos, sin, points[k, 0], points[k, 1])
-            distances[k] = abs(d)
-        width = max(LEAST_WIDTH, TUKEY * MAD * np.median(distances))
-        if not refit(points, every, len(points), row, 2, width):
+        measure_points(near, count, row)
+        width = max(LEAST_WIDTH, TUKEY * MAD * np.median(near[FAR]))
+        if not refit(near, count, row, 2, width):
             break
         if row[2] > max_size or row[3] < min_size:
             break
@@ -109,7 +103,7 @@ def refit_tightly(
     return width
 
 
-@kernel
+@inner_kernel
 def gap_figures(parameter: FloatArray, ellipse: FloatArray) -> tuple[float, float]:
     """Return the angular circumference and continuity ratios of supports at sorted parameters."""
     a, b = ellipse[2], ellipse[3]
@@ -138,7 +132,7 @@ def gap_figures(parameter: FloatArray, ellipse: FloatArray) -> tuple[float, floa
     return max(0.0, 1.0 - open_angle / (2.0 * math.pi)), continuity
 
 
-@kernel
+@inner_kernel
 def alignment_of(
     points: FloatArray,
     order: IntArray,

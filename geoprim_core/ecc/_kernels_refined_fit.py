@@ -1,4 +1,4 @@
-"""Fitting kernels of the `refined` scheme: additive moments, direct fit, orthogonal refit.
+"""Fitting kernels of the `refined` scheme: additive moments, direct fit, distance.
 
 The moments of a point set are the 25 numbers sum(x^p y^q) at [5 p + q], of which those with
 p + q <= 4 are used.
@@ -8,16 +8,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
-
-TUKEY = 4.685  # 95 % efficiency on normal errors
-MAD = 1.4826
+from geoprim_core._check import FloatArray
+from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core.ecc._kernels_refined_conic import direct_conic, ellipse_of_conic
 
 
-@kernel
+@inner_kernel
 def add_point(moments: FloatArray, x: float, y: float) -> None:
     """Add one point to a set of moments in place."""
     px = 1.0
@@ -48,7 +44,7 @@ def shifted_sums(
     return m0, s1, s2, s3, s4
 
 
-@kernel
+@inner_kernel
 def add_shifted(total: FloatArray, moments: FloatArray, dx: float, dy: float, scale: float) -> None:
     """Add to `total` the moments of the same points moved by (dx, dy), then scaled."""
     m = moments
@@ -80,133 +76,14 @@ def add_shifted(total: FloatArray, moments: FloatArray, dx: float, dy: float, sc
     total[20] += h40 * fourth
 
 
-@kernel
-def largest_root(b: float, c: float, d: float) -> float:
-    """Return the largest real root of x^3 + b x^2 + c x + d, all roots real."""
-    third = b / 3.0
-    q = third * third - c / 3.0
-    r = (third * third - c / 2.0) * third + d / 2.0
-    if q <= 0.0:
-        return -third
-    root = math.sqrt(q)
-    ratio = r / (q * root)
-    ratio = min(1.0, max(-1.0, ratio))
-    x = -2.0 * root * math.cos((math.acos(ratio) + 2.0 * math.pi) / 3.0) - third
-    for _ in range(2):
-        slope = (3.0 * x + 2.0 * b) * x + c
-        if slope != 0.0:
-            x -= (((x + b) * x + c) * x + d) / slope
-    return x
-
-
-@kernel
-def ellipse_of_conic(
-    a: float, b: float, c: float, d: float, e: float, f: float, out: FloatArray
-) -> bool:
-    """Write the ellipse a x^2 + b xy + c y^2 + d x + e y + f = 0 as a row; False if it is none."""
-    det = 4.0 * a * c - b * b
-    if not det > 0.0:
-        return False
-    x = (b * e - 2.0 * c * d) / det
-    y = (b * d - 2.0 * a * e) / det
-    k = -(f + 0.5 * (d * x + e * y))
-    mean = 0.5 * (a + c)
-    spread = 0.5 * math.hypot(a - c, b)
-    if mean < 0.0:
-        a, b, c, k, mean = -a, -b, -c, -k, -mean
-    if not (k > 0.0 and mean > spread):
-        return False
-    out[0] = x
-    out[1] = y
-    out[2] = math.sqrt(k / (mean - spread))
-    out[3] = math.sqrt(k / (mean + spread))
-    angle = 0.5 * math.atan2(-b, c - a)
-    if angle < 0.0:
-        angle += math.pi
-    out[4] = angle if angle < math.pi else 0.0
-    return bool(math.isfinite(out[2]))
-
-
-@kernel
-def lines_of(
-    i00: float,
-    i01: float,
-    i02: float,
-    i11: float,
-    i12: float,
-    i22: float,
-    u: float,
-    v: float,
-    w: float,
-    det: float,
-) -> tuple[float, float, float]:
-    """Return minus an inverse symmetric matrix (adjugate i over det) times (u, v, w)."""
-    return (
-        -(i00 * u + i01 * v + i02 * w) / det,
-        -(i01 * u + i11 * v + i12 * w) / det,
-        -(i02 * u + i12 * v + i22 * w) / det,
-    )
-
-
-@kernel
-def crossed(
-    x0: float, x1: float, x2: float, y0: float, y1: float, y2: float
-) -> tuple[float, float, float, float]:
-    """Return the cross product of two vectors and the square of its length."""
-    w0 = x1 * y2 - x2 * y1
-    w1 = x2 * y0 - x0 * y2
-    w2 = x0 * y1 - x1 * y0
-    return w0, w1, w2, w0 * w0 + w1 * w1 + w2 * w2
-
-
-@kernel
+@inner_kernel
 def fit_moments(m: FloatArray, x0: float, y0: float, scale: float, out: FloatArray) -> bool:
-    """Fit an ellipse to moments taken of ((x, y) - (x0, y0)) * scale; False if there is none.
-
-    Direct least squares in the partitioned form of Halir and Flusser; the 3x3 eigenproblem is
-    solved by its characteristic cubic.
-    """
-    a, b, c = m[10], m[6], m[5]
-    d, e, f = m[2], m[1], m[0]
-    i00 = d * f - e * e
-    i01 = c * e - b * f
-    i02 = b * e - c * d
-    det = a * i00 + b * i01 + c * i02
-    if not det > 1e-14 * a * d * f:
-        return False
-    i11 = a * f - c * c
-    i12 = b * c - a * e
-    i22 = a * d - b * b
-    t00, t10, t20 = lines_of(i00, i01, i02, i11, i12, i22, m[15], m[11], m[10], det)
-    t01, t11, t21 = lines_of(i00, i01, i02, i11, i12, i22, m[11], m[7], m[6], det)
-    t02, t12, t22 = lines_of(i00, i01, i02, i11, i12, i22, m[7], m[3], m[2], det)
-    g20 = 0.5 * (m[20] + m[15] * t00 + m[11] * t10 + m[10] * t20)
-    g21 = 0.5 * (m[16] + m[15] * t01 + m[11] * t11 + m[10] * t21)
-    g22 = 0.5 * (m[12] + m[15] * t02 + m[11] * t12 + m[10] * t22)
-    g10 = -(m[16] + m[11] * t00 + m[7] * t10 + m[6] * t20)
-    g11 = -(m[12] + m[11] * t01 + m[7] * t11 + m[6] * t21)
-    g12 = -(m[8] + m[11] * t02 + m[7] * t12 + m[6] * t22)
-    g00 = 0.5 * (m[12] + m[7] * t00 + m[3] * t10 + m[2] * t20)
-    g01 = 0.5 * (m[8] + m[7] * t01 + m[3] * t11 + m[2] * t21)
-    g02 = 0.5 * (m[4] + m[7] * t02 + m[3] * t12 + m[2] * t22)
-    minors = g00 * g11 - g01 * g10 + g00 * g22 - g02 * g20
-    minors += g11 * g22 - g12 * g21
-    det3 = g00 * (g11 * g22 - g12 * g21)
-    det3 -= g01 * (g10 * g22 - g12 * g20)
-    det3 += g02 * (g10 * g21 - g11 * g20)
-    root = largest_root(-(g00 + g11 + g22), minors, -det3)
-    g00, g11, g22 = g00 - root, g11 - root, g22 - root
-    v0, v1, v2, best = crossed(g10, g11, g12, g20, g21, g22)
-    w0, w1, w2, norm = crossed(g20, g21, g22, g00, g01, g02)
-    if norm > best:
-        v0, v1, v2, best = w0, w1, w2, norm
-    w0, w1, w2, norm = crossed(g00, g01, g02, g10, g11, g12)
-    if norm > best:
-        v0, v1, v2 = w0, w1, w2
-    u = t00 * v0 + t01 * v1 + t02 * v2
-    v = t10 * v0 + t11 * v1 + t12 * v2
-    w = t20 * v0 + t21 * v1 + t22 * v2
-    if not ellipse_of_conic(v0, v1, v2, u, v, w, out):
+    """Fit an ellipse to moments taken of ((x, y) - (x0, y0)) * scale; False if there is none."""
+    a, b, c, d, e, f = direct_conic(
+        m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[10], m[11], m[12], m[15], m[16],
+        m[20],
+    )  # fmt: skip
+    if not ellipse_of_conic(a, b, c, d, e, f, out):
         return False
     out[0] = out[0] / scale + x0
     out[1] = out[1] / scale + y0
@@ -231,98 +108,10 @@ def offset_at(
     return distance, gu * cos - gv * sin, gu * sin + gv * cos
 
 
-@kernel
+@inner_kernel
 def offset_of(
     ellipse: FloatArray, cos: float, sin: float, x: float, y: float
 ) -> tuple[float, float, float]:
     """Return the signed distance of a point (Sampson) and the outward unit normal there."""
     flat, steep = 1.0 / (ellipse[2] * ellipse[2]), 1.0 / (ellipse[3] * ellipse[3])
     return offset_at(x - ellipse[0], y - ellipse[1], cos, sin, flat, steep)
-
-
-@kernel
-def solve5(matrix: FloatArray, vector: FloatArray) -> bool:
-    """Solve a symmetric positive definite 5x5 system in place by Cholesky; False if singular."""
-    for i in range(5):
-        for j in range(i + 1):
-            value = matrix[i, j]
-            for k in range(j):
-                value -= matrix[i, k] * matrix[j, k]
-            if i == j:
-                if not value > 1e-12:
-                    return False
-                matrix[i, i] = math.sqrt(value)
-            else:
-                matrix[i, j] = value / matrix[j, j]
-    for i in range(5):
-        for k in range(i):
-            vector[i] -= matrix[i, k] * vector[k]
-        vector[i] /= matrix[i, i]
-    for i in range(4, -1, -1):
-        for k in range(i + 1, 5):
-            vector[i] -= matrix[k, i] * vector[k]
-        vector[i] /= matrix[i, i]
-    return True
-
-
-@kernel
-def refit(
-    points: FloatArray, chosen: IntArray, count: int, ellipse: FloatArray, steps: int, width: float
-) -> bool:
-    """Improve an ellipse in place: reweighted least squares on the Sampson distance.
-
-    In the frame where the ellipse is the unit circle the conic has five free coefficients; the
-    weights are Tukey's with the given width in pixels over the squared gradient. Returns False,
-    the ellipse unchanged, when a step fails.
-    """
-    current = ellipse.copy()
-    normal = np.empty((5, 5))
-    right = np.empty(5)
-    row = np.empty(5)
-    for _ in range(steps):
-        cos, sin = math.cos(current[4]), math.sin(current[4])
-        x0, y0, a, b = current[0], current[1], current[2], current[3]
-        ia, ib = 1.0 / a, 1.0 / b
-        narrow, common = 1.0 / (width * width), 1.0 / (a * b)
-        m40 = m31 = m22 = m13 = m04 = m30 = m21 = m12 = m03 = m20 = m11 = m02 = 0.0
-        r0 = r1 = r2 = r3 = r4 = 0.0
-        for k in range(count):  # scalars: an array is read and written for each point
-            dx, dy = points[chosen[k], 0] - x0, points[chosen[k], 1] - y0
-            u, v = (dx * cos + dy * sin) * ia, (dy * cos - dx * sin) * ib
-            uu, uv, vv = u * u, u * v, v * v
-            inverse = 1.0 / (4.0 * (uu * ia * ia + vv * ib * ib) + 1e-300)
-            f = uu + vv - 1.0
-            ratio = f * f * inverse * narrow
-            if ratio >= 1.0:
-                continue
-            weight = (1.0 - ratio) * (1.0 - ratio) * inverse * common
-            wuu, wuv, wvv, wf = weight * uu, weight * uv, weight * vv, weight * f
-            m40, m31, m22 = m40 + wuu * uu, m31 + wuu * uv, m22 + wuu * vv
-            m13, m04 = m13 + wuv * vv, m04 + wvv * vv
-            m30, m21, m12, m03 = m30 + wuu * u, m21 + wuu * v, m12 + wvv * u, m03 + wvv * v
-            m20, m11, m02 = m20 + wuu, m11 + wuv, m02 + wvv
-            r0, r1, r2, r3, r4 = r0 - wf * uu, r1 - wf * uv, r2 - wf * vv, r3 - wf * u, r4 - wf * v
-        normal[0, 0], normal[1, 0], normal[1, 1] = m40, m31, m22
-        normal[2, 0], normal[2, 1], normal[2, 2] = m22, m13, m04
-        normal[3, 0], normal[3, 1], normal[3, 2], normal[3, 3] = m30, m21, m12, m20
-        normal[4, 0], normal[4, 1], normal[4, 2] = m21, m12, m03
-        normal[4, 3], normal[4, 4] = m11, m02
-        right[0], right[1], right[2], right[3], right[4] = r0, r1, r2, r3, r4
-        size = normal[0, 0] + normal[2, 2]
-        for i in range(5):
-            right[i] /= size
-            for j in range(i + 1):
-                normal[i, j] /= size
-        if not solve5(normal, right):
-            return False
-        if not ellipse_of_conic(
-            (1.0 + right[0]) / (a * a), right[1] / (a * b), (1.0 + right[2]) / (b * b),
-            right[3] / a, right[4] / b, -1.0, row,
-        ):  # fmt: skip
-            return False
-        x = current[0] + row[0] * cos - row[1] * sin
-        y = current[1] + row[0] * sin + row[1] * cos
-        current[0], current[1], current[2], current[3] = x, y, row[2], row[3]
-        current[4] = (current[4] + row[4]) % math.pi
-    ellipse[:] = current
-    return True

@@ -7,15 +7,8 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import (
-    MAD,
-    TUKEY,
-    add_point,
-    fit_moments,
-    offset_of,
-    refit,
-)
+from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core.ecc._kernels_refined_fit import add_point, fit_moments
 from geoprim_core.ecc._kernels_refined_outline import (
     COVERED,
     IN_FRAME,
@@ -26,6 +19,16 @@ from geoprim_core.ecc._kernels_refined_outline import (
     collect,
 )
 from geoprim_core.ecc._kernels_refined_places import GLANCES, SKETCH, sketch_of
+from geoprim_core.ecc._kernels_refined_refit import (
+    FAR,
+    MAD,
+    TUKEY,
+    X,
+    Y,
+    gather_points,
+    measure_points,
+    refit,
+)
 from geoprim_core.ecc._kernels_refined_support import hopeless
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
@@ -48,16 +51,12 @@ ENDS, SPREAD, WHOLE_WEIGHT = range(7, 10)
 
 
 @kernel
-def fit_chosen(
-    points: FloatArray, chosen: IntArray, count: int, ellipse: FloatArray, work: FloatArray
-) -> bool:
+def fit_chosen(near: FloatArray, count: int, ellipse: FloatArray, work: FloatArray) -> bool:
     """Replace an ellipse by the direct fit to some points; False (unchanged) if there is none."""
     work[:] = 0.0
     scale = 1.0 / ellipse[2]
     for k in range(count):
-        x = (points[chosen[k], 0] - ellipse[0]) * scale
-        y = (points[chosen[k], 1] - ellipse[1]) * scale
-        add_point(work, x, y)
+        add_point(work, (near[X, k] - ellipse[0]) * scale, (near[Y, k] - ellipse[1]) * scale)
     out = np.empty(5)
     if not fit_moments(work, ellipse[0], ellipse[1], scale, out):
         return False
@@ -67,12 +66,7 @@ def fit_chosen(
 
 @kernel
 def reach_of(
-    points: FloatArray,
-    chosen: IntArray,
-    count: int,
-    ellipse: FloatArray,
-    spread: float,
-    most: float,
+    near: FloatArray, count: int, ellipse: FloatArray, spread: float, most: float
 ) -> float:
     """Return how far support may lie: `spread` times the typical distance, at most `most`.
 
@@ -80,13 +74,12 @@ def reach_of(
     """
     if not spread > 0.0:
         return most
-    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    measure_points(near, count, ellipse)
     # A histogram finds the median as far as it matters, and faster than a sort.
     tally = np.zeros(BINS + 1, np.int64)
     scale = BINS * spread / most
     for k in range(count):
-        d, _, _ = offset_of(ellipse, cos, sin, points[chosen[k], 0], points[chosen[k], 1])
-        tally[min(BINS, int(abs(d) * scale))] += 1
+        tally[min(BINS, int(near[FAR, k] * scale))] += 1
     below = 0
     for k in range(BINS):
         below += tally[k]
@@ -95,7 +88,7 @@ def reach_of(
     return most
 
 
-@kernel
+@inner_kernel
 def near_copy(ellipses: FloatArray, count: int, ellipse: FloatArray) -> bool:
     """Tell whether an ellipse is within a pixel of one of the first `count`."""
     for k in range(count):
@@ -111,7 +104,7 @@ def near_copy(ellipses: FloatArray, count: int, ellipse: FloatArray) -> bool:
     return False
 
 
-@kernel
+@inner_kernel
 def look_at(
     head: Int32Array,
     following: Int32Array,
@@ -157,7 +150,7 @@ def look_at(
     return count
 
 
-@kernel
+@inner_kernel
 def improve(
     head: Int32Array,
     following: Int32Array,
@@ -187,7 +180,7 @@ def improve(
         growth = 1.0 + limits[GROWTH] * ellipse[3]
         reach = limits[REACH] * REFITS[step] * growth
         if step > 0:
-            reach = reach_of(points, chosen, count, ellipse, limits[SPREAD], reach)
+            reach = reach_of(walk.support, count, ellipse, limits[SPREAD], reach)
         stride = perimeter_of(ellipse[2], ellipse[3]) / (4.0 * SKETCH)
         if step < 2 and stride > 2.0:
             count = look_at(
@@ -209,41 +202,39 @@ def improve(
             hope_left = hope - HOPE[step]
             if hopeless(sums, count, stride, ellipse, growth, limits[WHOLE_WEIGHT], hope_left):
                 return 0
+        gather_points(points, chosen, count, walk.support)
         good = True
         if step == 0:
-            good = fit_chosen(points, chosen, count, ellipse, work)
+            good = fit_chosen(walk.support, count, ellipse, work)
         elif step == 1:
-            good = refit(points, chosen, count, ellipse, 2, 3.0 * reach)
+            good = refit(walk.support, count, ellipse, 2, 3.0 * reach)
             good = good and not near_copy(known, found, ellipse)
         if not good or ellipse[3] < limits[MIN_SEMI] or ellipse[2] > limits[MAX_SIZE]:
             return 0
     return count
 
 
-@kernel
-def median_offset(
-    points: FloatArray, chosen: IntArray, ellipse: FloatArray, tally: IntArray
-) -> float:
+@inner_kernel
+def median_offset(near: FloatArray, count: int, ellipse: FloatArray, tally: IntArray) -> float:
     """Return the median distance of points to an ellipse, to a bin of a histogram of `tally`.
 
     A histogram costs a fraction of a median, and the width of weights need not be exact.
     """
-    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    measure_points(near, count, ellipse)
     tally[:] = 0
-    for k in range(len(chosen)):
-        d, _, _ = offset_of(ellipse, cos, sin, points[chosen[k], 0], points[chosen[k], 1])
-        tally[min(MEDIAN_BINS, int(abs(d) * MEDIAN_SCALE))] += 1
+    for k in range(count):
+        tally[min(MEDIAN_BINS, int(near[FAR, k] * MEDIAN_SCALE))] += 1
     below = 0
     for k in range(MEDIAN_BINS):
         below += tally[k]
-        if 2 * below >= len(chosen):
+        if 2 * below >= count:
             return (k + 0.5) / MEDIAN_SCALE
     return MEDIAN_BINS / MEDIAN_SCALE
 
 
 @kernel
 def refit_robustly(
-    points: FloatArray, chosen: IntArray, ellipse: FloatArray, max_size: float, min_size: float
+    near: FloatArray, count: int, ellipse: FloatArray, max_size: float, min_size: float
 ) -> float:
     """Refit an ellipse in place with weights from the median distance; return their width.
 
@@ -254,9 +245,9 @@ def refit_robustly(
     row = ellipse.copy()
     width = 0.0
     for _ in range(ROUNDS):
-        median = median_offset(points, chosen, row, tally)
+        median = median_offset(near, count, row, tally)
         width = max(LEAST_WIDTH, TUKEY * MAD * median)
-        if not refit(points, chosen, len(chosen), row, 2, width):
+        if not refit(near, count, row, 2, width):
             break
         if row[2] > max_size or row[3] < min_size:
             break
@@ -269,7 +260,7 @@ def refit_robustly(
     return width
 
 
-@kernel
+@inner_kernel
 def polish_support(
     head: Int32Array,
     following: Int32Array,
@@ -287,7 +278,7 @@ def polish_support(
 ) -> int:
     """Refit an ellipse robustly and collect its support again; return the number of points."""
     for step in range(POLISHES):
-        refit_robustly(points, chosen[:count], ellipse, limits[MAX_SIZE], limits[MIN_SEMI])
+        refit_robustly(walk.support, count, ellipse, limits[MAX_SIZE], limits[MIN_SEMI])
         most = limits[REACH] * (1.0 + limits[GROWTH] * ellipse[3])
         count = collect(
             head,
@@ -296,7 +287,7 @@ def polish_support(
             normals,
             ellipse,
             2.0,
-            reach_of(points, chosen, count, ellipse, limits[SPREAD], most),
+            reach_of(walk.support, count, ellipse, limits[SPREAD], most),
             limits[MIN_COSINE],
             polarity,
             stamp,
@@ -307,4 +298,5 @@ def polish_support(
         )
         if count < LEAST_POINTS:
             break
+        gather_points(points, chosen, count, walk.support)
     return count

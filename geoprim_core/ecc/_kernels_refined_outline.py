@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_fit import offset_at
 from geoprim_core.ecc._kernels_refined_places import quarter_of
 
@@ -45,6 +45,8 @@ class Walk(NamedTuple):
     about : (4, m) float64
         Of the points seen: position about the centre and normal. Then: what `weigh` makes of them.
     along : (m,) int8
+    support : (3, N) float64
+        Supporting points: see `_kernels_refined_refit`.
     """
 
     places: FloatArray
@@ -54,6 +56,7 @@ class Walk(NamedTuple):
     near: BoolArray
     about: FloatArray
     along: Int8Array
+    support: FloatArray
 
 
 @kernel
@@ -74,8 +77,11 @@ def pixels_near(head: Int32Array) -> BoolArray:
 
 
 @kernel
-def new_walk(head: Int32Array, longest: float) -> Walk:
-    """Return room for walks in steps of a pixel or more; semi-axes are at most `longest`."""
+def new_walk(head: Int32Array, longest: float, total: int) -> Walk:
+    """Return room for walks in steps of a pixel or more; semi-axes are at most `longest`.
+
+    There are `total` edge points.
+    """
     quarter = 2 * int(longest) + 16
     return Walk(
         np.empty((quarter, 3)),
@@ -85,10 +91,11 @@ def new_walk(head: Int32Array, longest: float) -> Walk:
         pixels_near(head),
         np.empty((4, 4 * CHUNK * WINDOW + 1)),
         np.empty(4 * CHUNK * WINDOW + 1, np.int8),
+        np.empty((3, total + 1)),
     )
 
 
-@kernel
+@inner_kernel
 def look(flat: Int32Array, corner: int, width: int, place: int, seen: Int32Array, size: int) -> int:
     """Note the first edge point of each of nine pixels, and the place that they are around.
 
@@ -107,7 +114,7 @@ def look(flat: Int32Array, corner: int, width: int, place: int, seen: Int32Array
     return int(kept)
 
 
-@kernel
+@inner_kernel
 def find_windows(
     head: Int32Array,
     ellipse: FloatArray,
@@ -149,7 +156,7 @@ def find_windows(
     return int(noted)
 
 
-@kernel
+@inner_kernel
 def weigh(walk: Walk, size: int, ellipse: FloatArray, cos: float, sin: float, reach: float,
           min_cos: float, polarity: int) -> None:  # fmt: skip
     """Tell of the points gathered which support an ellipse (1) and which cross its outline (2).
@@ -172,7 +179,7 @@ def weigh(walk: Walk, size: int, ellipse: FloatArray, cos: float, sin: float, re
         along[k] = (1 if good else 0) + (2 if across else 0)
 
 
-@kernel
+@inner_kernel
 def judge_points(
     following: Int32Array,
     points: FloatArray,
@@ -228,7 +235,7 @@ def judge_points(
     return count
 
 
-@kernel
+@inner_kernel
 def add_support(
     head: Int32Array,
     following: Int32Array,
@@ -257,7 +264,7 @@ def add_support(
     and normal, and points with the gradient across the outline.
     """
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    flat, width = head.ravel(), head.shape[1]
+    flat, width = head.reshape(head.size), head.shape[1]
     for first in range(start, end, CHUNK):
         last = min(first + CHUNK, end)
         noted = find_windows(head, ellipse, cos, sin, walk, first, last, sums)
@@ -277,7 +284,7 @@ def add_support(
     return count
 
 
-@kernel
+@inner_kernel
 def collect(
     head: Int32Array,
     following: Int32Array,

@@ -7,9 +7,8 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_common import fit_arcs, sample_arcs
-from geoprim_core.fitting._kernels_shape import perimeter_of
+from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core.ecc._kernels_refined_batch import BATCH, WORK, fit_pairs, sample_arcs
 
 CLASS_RATIO = 1.5  # longest over shortest arc of one class of lengths
 LEAST_CELL = 16.0  # pixels
@@ -17,7 +16,7 @@ LEVEL = 1e-4  # a border of a search region that rises less is taken as level
 CELL_ARCS = 2.0  # side of a cell in mean distances of arcs
 
 
-@kernel
+@inner_kernel
 def sees(a: FloatArray, b: FloatArray, slack: float) -> bool:
     """Tell whether arc b lies in the search region of arc a, give or take `slack` pixels.
 
@@ -93,7 +92,7 @@ def grid_of(
     return np.array([left, top, cell]), starts, members, area
 
 
-@kernel
+@inner_kernel
 def count_pairs(
     table: FloatArray, classes: IntArray, grid: FloatArray, area: IntArray, share: float
 ) -> float:
@@ -112,7 +111,7 @@ def count_pairs(
     return total
 
 
-@kernel
+@inner_kernel
 def admitted_share(
     table: FloatArray,
     classes: IntArray,
@@ -141,7 +140,7 @@ def admitted_share(
     return high, every
 
 
-@kernel
+@inner_kernel
 def row_range(
     arc: FloatArray, slack: float, top: float, bottom: float, low: float, high: float
 ) -> tuple[float, float]:
@@ -160,7 +159,7 @@ def row_range(
     return low, high
 
 
-@kernel
+@inner_kernel
 def find_partners(
     table: FloatArray,
     classes: IntArray,
@@ -251,8 +250,9 @@ def pair_arcs(
         drift = max(drift, math.hypot(table[i, 4] - table[i, 0], table[i, 5] - table[i, 1]))
     samples = sample_arcs(points, order, ends)
     partners = np.empty(len(table), np.int64)
-    work = np.empty(25)
-    ellipse = np.empty(5)
+    pairs = np.empty((2, BATCH), np.int64)
+    work = np.empty(WORK)
+    waiting = 0
     for i in range(len(table)):
         while i >= classes[own + 1]:
             own += 1
@@ -262,19 +262,16 @@ def pair_arcs(
         )  # fmt: skip
         looked += more
         for k in range(-1, count):
-            j = partners[k] if k >= 0 else -1
-            size = table[i, 18] + (table[j, 18] if j >= 0 else 0.0)
-            rms = fit_arcs(
-                samples, table, moments, i, j, max_rms, max_size, size / min_share,
-                work, ellipse,
-            )  # fmt: skip
-            if not rms < max_rms or size < min_share * perimeter_of(ellipse[2], ellipse[3]):
+            pairs[0, waiting], pairs[1, waiting] = i, (partners[k] if k >= 0 else -1)
+            waiting += 1
+            if waiting < BATCH and (k + 1 < count or i + 1 < len(table)):
                 continue
-            if found == len(arcs):
+            if found + waiting > len(arcs):
                 arcs = np.concatenate((arcs, np.empty_like(arcs)))
                 values = np.concatenate((values, np.empty_like(values)))
-            arcs[found, 0], arcs[found, 1] = i, j
-            values[found, 0] = size / (0.15 + rms)
-            values[found, 1:] = ellipse
-            found += 1
+            found += fit_pairs(
+                samples, table, moments, pairs[0], pairs[1], waiting, max_rms, max_size, min_share,
+                work, arcs[found:], values[found:],
+            )  # fmt: skip
+            waiting = 0
     return arcs[:found].copy(), values[:found].copy(), looked, every, share

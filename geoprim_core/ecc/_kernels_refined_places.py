@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 
 SKETCH = 18  # places of a quarter that serve a first look
 SKETCHES = 64  # as many ratios of the semi-axes
@@ -46,7 +46,7 @@ def turned(cos: float, sin: float, angle: float) -> tuple[float, float]:
     return cos * cd - sin * sd, sin * cd + cos * sd
 
 
-@kernel
+@inner_kernel
 def quarter_of(a: float, b: float, stride: float, places: FloatArray) -> int:
     """Write places about `stride` pixels apart on the first quarter of an outline, in order.
 
@@ -70,7 +70,7 @@ def quarter_of(a: float, b: float, stride: float, places: FloatArray) -> int:
     return count
 
 
-@kernel
+@inner_kernel
 def sketch_of(a: float, b: float, places: FloatArray) -> int:
     """Write `SKETCH` places as `quarter_of` does, in the order of `GLANCES`; return their number.
 

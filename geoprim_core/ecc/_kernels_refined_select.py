@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_fit import offset_of
 from geoprim_core.ecc._kernels_refined_outline import ACROSS, Int32Array
 from geoprim_core.fitting._kernels_overlap import overlap_bound, overlap_of
@@ -23,7 +23,7 @@ CLOSE = 0.4  # pixels, its largest scatter
 WEAK, CLAIMED, TWIN, CHOSEN = range(4)
 
 
-@kernel
+@inner_kernel
 def claim(
     head: Int32Array,
     following: Int32Array,
@@ -60,7 +60,7 @@ def claim(
         ct, st = ct * cd - st * sd, st * cd + ct * sd
 
 
-@kernel
+@inner_kernel
 def weaves(ellipse: FloatArray, other: FloatArray, least: float) -> bool:
     """Tell whether an outline runs inside another for a share `least` and outside for as much.
 
@@ -78,7 +78,7 @@ def weaves(ellipse: FloatArray, other: FloatArray, least: float) -> bool:
     return min(inside, outside) >= least * PROBES
 
 
-@kernel
+@inner_kernel
 def is_twin(
     ellipses: FloatArray,
     figures: FloatArray,
@@ -104,7 +104,7 @@ def is_twin(
     return False
 
 
-@kernel
+@inner_kernel
 def sink(heap: IntArray, size: int, at: int, value: FloatArray) -> None:
     """Restore a heap, greatest value first and of equals the first, below one entry."""
     while 2 * at + 1 < size:

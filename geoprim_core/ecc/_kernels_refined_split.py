@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_fit import add_point, add_shifted, fit_moments, offset_of
 
 
-@kernel
+@inner_kernel
 def mark_vertices(
     points: FloatArray,
     first: int,
@@ -187,7 +187,7 @@ def split_contours(
     return order[:used].copy(), ends[: arcs + 1].copy(), vertex
 
 
-@kernel
+@inner_kernel
 def part_rms(
     points: FloatArray,
     order: IntArray,

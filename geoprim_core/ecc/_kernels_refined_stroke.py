@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_outline import Int32Array
 
 ALIKE = 1.0  # pixels between the width of a line here and its typical width
@@ -52,7 +52,7 @@ def find_mates(
     return gaps
 
 
-@kernel
+@inner_kernel
 def count_alike(gaps: FloatArray, width: float) -> int:
     """Count the mates that lie about as far as a line of the given signed width is wide."""
     count = 0

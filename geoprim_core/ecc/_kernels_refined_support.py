@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_outline import (
     COVERED,
     CROSSING,
@@ -112,7 +112,7 @@ def doubt_of_clutter(share: float, across: float) -> float:
     return 8.0 * (1.0 - share) * across
 
 
-@kernel
+@inner_kernel
 def support_evidence(
     sums: FloatArray,
     count: int,
@@ -128,7 +128,7 @@ def support_evidence(
     return evidence_of(share, rms, slant, length, ellipse[3], growth, outside, whole_weight)
 
 
-@kernel
+@inner_kernel
 def hopeless(
     sums: FloatArray,
     count: int,

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import solve5
+from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core.ecc._kernels_refined_refit import solve5
 from geoprim_core.ecc._kernels_refined_support import doubt_of_clutter
 
 MOST_COVERED = 0.9  # share of the outline beyond which hardly anything is extrapolated
@@ -35,7 +35,7 @@ def write_rows(points: FloatArray, chosen: IntArray, ellipse: FloatArray, rows: 
         rows[k, 6] = math.atan2(v, u)
 
 
-@kernel
+@inner_kernel
 def after_largest_gap(angles: FloatArray, order: IntArray) -> int:
     """Return the place in the order of the angles that follows their largest gap."""
     count = len(order)
@@ -47,7 +47,7 @@ def after_largest_gap(angles: FloatArray, order: IntArray) -> int:
     return place
 
 
-@kernel
+@inner_kernel
 def add_sums(
     rows: FloatArray, start: int, end: int, width: float, normal: FloatArray, right: FloatArray
 ) -> None:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_ends import (
     continuing_share,
     neighbours_of,
@@ -50,7 +50,7 @@ OWNED = 0.7  # an arc belongs to an ellipse that this share of its points suppor
 TAKEN = 0.9  # and is taken by a sure one that this share supports: no other may need the rest
 
 
-@kernel
+@inner_kernel
 def share_owner(owners: IntArray, owned: IntArray, i: int, j: int) -> bool:
     """Tell whether two arcs (or one, j < 0) already belong to one verified ellipse."""
     if j < 0:
@@ -62,7 +62,7 @@ def share_owner(owners: IntArray, owned: IntArray, i: int, j: int) -> bool:
     return False
 
 
-@kernel
+@inner_kernel
 def note_owner(
     chosen: IntArray,
     count: int,
@@ -90,7 +90,7 @@ def note_owner(
             tally[arc] = 0
 
 
-@kernel
+@inner_kernel
 def describe(
     head: Int32Array,
     following: Int32Array,
@@ -174,7 +174,7 @@ def verify(
     owned, taken, tally, tries = counts[0], counts[1], counts[2], counts[3]
     stamp = np.zeros(total, np.int64)
     chosen = np.empty(total + 1, np.int64)
-    walk = new_walk(head, limits[MAX_SIZE])
+    walk = new_walk(head, limits[MAX_SIZE], total)
     work = np.empty(25)
     sums = np.empty(SUMS)
     ellipse = np.empty(5)

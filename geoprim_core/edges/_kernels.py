@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 
 HISTOGRAM_BINS = 4096
 BLOCK = 64  # pixels of a row
@@ -61,7 +61,7 @@ def checkers(levels: Any, out: Any) -> None:
             row[x] = abs(corners - (sides + sides) + np.float32(4.0) * level[x + 1])
 
 
-@kernel
+@inner_kernel
 def exceeds(values: Any, limit: Any) -> Any:
     """Return how many values exceed a limit."""
     count = np.int32(0)
@@ -70,7 +70,7 @@ def exceeds(values: Any, limit: Any) -> Any:
     return count
 
 
-@kernel
+@inner_kernel
 def suppress_run(
     values: Any, dx: Any, dy: Any, y: Any, first: Any, last: Any, low: Any, high: Any, state: Any
 ) -> None:
@@ -138,7 +138,7 @@ def suppress(values: Any, dx: Any, dy: Any, low: Any, high: Any, state: Any) -> 
     return peaks[:size]
 
 
-@kernel
+@inner_kernel
 def around(flat: Any, place: Any, width: Any) -> Any:
     """Return the eight neighbours' states, or-ed."""
     states = flat[np.uint64(place - 1)] | flat[np.uint64(place + 1)]

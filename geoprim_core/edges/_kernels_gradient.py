@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 
 
-@kernel
+@inner_kernel
 def load_row(octets: Any, levels: Any, y: Any, width: Any, channels: Any, line: Any) -> None:
     """Write row y of an image to `line`, channel after channel, its ends repeated outwards.
 
@@ -44,7 +44,7 @@ def load_row(octets: Any, levels: Any, y: Any, width: Any, channels: Any, line: 
             line[c, reach + width + x] = line[c, reach + width - 1]
 
 
-@kernel
+@inner_kernel
 def blur_along(line: Any, half: Any, out: Any) -> None:
     """Blur a padded line of one channel; `half` holds the weights from the middle outwards."""
     reach = len(half) - 1
@@ -59,7 +59,7 @@ def blur_along(line: Any, half: Any, out: Any) -> None:
             out[x] += weight * (left[x] + right[x])
 
 
-@kernel
+@inner_kernel
 def blur_across(ring: Any, y: Any, height: Any, half: Any, out: Any) -> None:
     """Blur rows of one channel across; row j of the image is row j modulo len(ring) of the ring."""
     rows = len(ring)
@@ -74,7 +74,7 @@ def blur_across(ring: Any, y: Any, height: Any, half: Any, out: Any) -> None:
             out[x] += weight * (upper[x] + lower[x])
 
 
-@kernel
+@inner_kernel
 def sobel(above: Any, level: Any, below: Any, scale: Any, sums: Any, dx: Any, dy: Any) -> None:
     """Write the Sobel gradient of one row of a channel; `sums` is scratch (2, W + 2)."""
     width = len(dx)
@@ -93,7 +93,7 @@ def sobel(above: Any, level: Any, below: Any, scale: Any, sums: Any, dx: Any, dy
         dy[x] = (left[x] + (middle[x] + middle[x]) + right[x]) * scale
 
 
-@kernel
+@inner_kernel
 def keep_stronger(best_x: Any, best_y: Any, dx: Any, dy: Any) -> None:
     """Replace, in place, the gradients of a row by others where those are larger.
 
@@ -105,29 +105,19 @@ def keep_stronger(best_x: Any, best_y: Any, dx: Any, dy: Any) -> None:
         best_y[x] = dy[x] if larger else best_y[x]
 
 
-@kernel
-def gradient(
-    octets: Any, levels: Any, channels: Any, half: Any, scale: Any, dx: Any, dy: Any, values: Any
-) -> None:
-    """Write dx, dy and their magnitude, (H, W) float32, of the strongest channel of an image.
-
-    The image is `octets` or, where that is empty, `levels`, as in `load_row`; `half` holds the
-    weights of the blur from the middle outwards; the border is repeated, before the blur and
-    again after it. Only a few rows are in work at a time, so they stay in the cache.
-    """
+@inner_kernel
+def write_rows(
+    octets: Any, levels: Any, half: Any, scale: Any, line: Any, ring: Any, smooth: Any, sums: Any,
+    other: Any, dx: Any, dy: Any, values: Any,
+) -> None:  # fmt: skip
+    """Do what `gradient` does, with room for a few rows of each channel."""
     height, width = values.shape
-    reach = len(half) - 1
-    rows = 2 * reach + 1
-    line = np.empty((channels, width + 2 * reach), np.float32)
-    ring = np.empty((channels, rows, width), np.float32)
-    smooth = np.empty((channels, 3, width), np.float32)
-    sums = np.empty((2, width + 2), np.float32)
-    other = np.empty((2, width), np.float32)
+    channels, rows = ring.shape[0], ring.shape[1]
     read = 0
     blurred = 0
     for y in range(height):
         while blurred < min(y + 2, height):
-            while read < min(blurred + reach + 1, height):
+            while read < min(blurred + len(half), height):
                 load_row(octets, levels, read, width, channels, line)
                 for c in range(channels):
                     blur_along(line[c], half, ring[c, read % rows])
@@ -146,3 +136,23 @@ def gradient(
                 keep_stronger(along_x, along_y, other[0], other[1])
         for x in range(width):
             row[x] = math.sqrt(along_x[x] * along_x[x] + along_y[x] * along_y[x])
+
+
+@kernel
+def gradient(
+    octets: Any, levels: Any, channels: Any, half: Any, scale: Any, dx: Any, dy: Any, values: Any
+) -> None:
+    """Write dx, dy and their magnitude, (H, W) float32, of the strongest channel of an image.
+
+    The image is `octets` or, where that is empty, `levels`, as in `load_row`; `half` holds the
+    weights of the blur from the middle outwards; the border is repeated, before the blur and
+    again after it. Only a few rows are in work at a time, so they stay in the cache.
+    """
+    width = values.shape[1]
+    reach = len(half) - 1
+    line = np.empty((channels, width + 2 * reach), np.float32)
+    ring = np.empty((channels, 2 * reach + 1, width), np.float32)
+    smooth = np.empty((channels, 3, width), np.float32)
+    sums = np.empty((2, width + 2), np.float32)
+    other = np.empty((2, width), np.float32)
+    write_rows(octets, levels, half, scale, line, ring, smooth, sums, other, dx, dy, values)

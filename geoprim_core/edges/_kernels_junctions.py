@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.edges._kernels_pixels import NONE
 
 
-@kernel
+@inner_kernel
 def ring(edges: Any, x: Any, y: Any) -> Any:
     """Return the number of edge pixels around one pixel and of the separate runs they form.
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.edges._kernels_pixels import NONE, NX, NY, OX, OY
 
 EXCESS_SHARE = 0.5
@@ -60,7 +60,7 @@ def find_pairs(first: Any, last: Any, xs: Any, ys: Any, index: Any, table: Any, 
     return np.int64(alike)
 
 
-@kernel
+@inner_kernel
 def the_double(table: Any, k: Any, m: Any, i: Any, j: Any) -> Any:
     """Return which of two pixels that mark the same edge point lies farther from it."""
     far_k = table[k, OX] * table[k, OX] + table[k, OY] * table[k, OY]
@@ -172,7 +172,7 @@ def chain(source: Any, target: Any, cost: Any, cosine: Any, double: Any, limits:
     return before, after
 
 
-@kernel
+@inner_kernel
 def bend(angle: Any, k: Any, m: Any) -> Any:
     """Return the signed angle from one gradient to another."""
     turn = np.float64(angle[m]) - np.float64(angle[k])

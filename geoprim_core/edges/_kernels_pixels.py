@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 
 SUBPIXEL_STEPS = 256.0
 ROUNDING = 1.5 * 2.0**52  # a sum of this size has no room for a fraction
@@ -30,7 +30,7 @@ CHUNK = 512  # pixels
 OX, OY, NX, NY = range(4)  # columns of the edge table: offset, unit gradient
 
 
-@kernel
+@inner_kernel
 def rounded(value: Any) -> Any:
     """Return a number within 0.5 as the nearest multiple of 1/256, of two the even one.
 
@@ -76,14 +76,14 @@ def look_around(
         around[4, c], around[5, c] = along_x[down], along_y[down]
 
 
-@kernel
+@inner_kernel
 def length(gx: Any, gy: Any) -> Any:
     """Return the length of a vector of single precision in double precision."""
     x, y = np.float64(gx), np.float64(gy)
     return math.sqrt(x * x + y * y)
 
 
-@kernel
+@inner_kernel
 def crests(around: Any, rows: Any, centred: Any) -> None:
     """Write offset and unit gradient to `rows` (4, n), and whether the pixel is the largest.
 
@@ -205,7 +205,7 @@ def directions(table: Any) -> Any:
     return angle
 
 
-@kernel
+@inner_kernel
 def direction(nx: Any, ny: Any) -> Any:
     """Return the angle of a vector that is not zero."""
     along, across = abs(np.float64(nx)), abs(np.float64(ny))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.edges._kernels_linking import APART
 from geoprim_core.edges._kernels_pixels import (
     NX,
@@ -22,13 +22,13 @@ from geoprim_core.edges._kernels_pixels import (
 LEAN, CORNER, GOES = range(3)  # states of a pixel in `straighten`
 
 
-@kernel
+@inner_kernel
 def touch(points: Any, i: Any, j: Any) -> Any:
     """Return whether two pixels are neighbours or the same."""
     return (abs(points[i, 0] - points[j, 0]) <= 1.0) & (abs(points[i, 1] - points[j, 1]) <= 1.0)
 
 
-@kernel
+@inner_kernel
 def goes_first(points: Any, fine: Any, angle: Any, k: Any, m: Any) -> Any:
     """Return whether of two corner pixels k goes: it is farther from the edge, or darker."""
     far_k = (fine[k, 0] - points[k, 0]) ** 2 + (fine[k, 1] - points[k, 1]) ** 2
@@ -40,7 +40,7 @@ def goes_first(points: Any, fine: Any, angle: Any, k: Any, m: Any) -> Any:
     return brighter < 0.0 or (brighter == 0.0 and k < m)
 
 
-@kernel
+@inner_kernel
 def mark_corners(points: Any, start: Any, size: Any, ring: Any, state: Any) -> Any:
     """Set the state of every pixel to `CORNER` where both neighbours touch, else `LEAN`.
 
@@ -56,7 +56,7 @@ def mark_corners(points: Any, start: Any, size: Any, ring: Any, state: Any) -> A
     return corners + state[start] + state[size - 1] > 0
 
 
-@kernel
+@inner_kernel
 def settle_corners(points: Any, fine: Any, angle: Any, start: Any, size: Any, state: Any) -> Any:
     """Set the state of the corners to `GOES` that go before those beside them do.
 
@@ -74,7 +74,7 @@ def settle_corners(points: Any, fine: Any, angle: Any, start: Any, size: Any, st
     return first
 
 
-@kernel
+@inner_kernel
 def straighten(
     points: Any, fine: Any, angle: Any, start: Any, size: Any, ring: Any, state: Any
 ) -> Any:
@@ -119,14 +119,14 @@ def begin_at_the_far_end(points: Any, fine: Any, angle: Any) -> None:
     angle[:] = np.concatenate((angle[start:], angle[:start]))
 
 
-@kernel
+@inner_kernel
 def leaps(xs: Any, ys: Any, k: Any, m: Any) -> Any:
     """Return whether a link leads to no neighbour."""
     other = m if m < APART else k
     return (abs(xs[other] - xs[k]) > 1) | (abs(ys[other] - ys[k]) > 1)
 
 
-@kernel
+@inner_kernel
 def put_between(xs: Any, ys: Any, table: Any, k: Any, m: Any, point: Any, fine: Any) -> Any:
     """Write the pixel nearest to the middle of a leap and return its gradient angle.
 

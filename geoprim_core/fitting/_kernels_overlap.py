@@ -15,14 +15,14 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray
-from geoprim_core._jit import kernel
+from geoprim_core._jit import inner_kernel, kernel
 
 _SMALLEST_CELL = 1e-7  # half-width in radians below which roots are no longer told apart
 _EIGHTH = math.pi / 4
 _TINY_ARC = 1e-6  # an arc this short may run backwards by rounding, but is no full turn
 
 
-@kernel
+@inner_kernel
 def overlap_bound(a: FloatArray, b: FloatArray) -> float:
     """Return a quick upper bound of the overlap ratio, 0 when the ellipses are surely apart."""
     dx, dy = b[0] - a[0], b[1] - a[1]
@@ -33,21 +33,21 @@ def overlap_bound(a: FloatArray, b: FloatArray) -> float:
     return float(min(first, second) / max(first, second))
 
 
-@kernel
+@inner_kernel
 def _value(c: FloatArray, t: float) -> float:
     cos, sin = math.cos(t), math.sin(t)
     even, odd = cos * cos - sin * sin, 2 * cos * sin
     return float(c[0] + c[1] * cos + c[2] * sin + c[3] * even + c[4] * odd)
 
 
-@kernel
+@inner_kernel
 def _slope(c: FloatArray, t: float) -> float:
     cos, sin = math.cos(t), math.sin(t)
     even, odd = cos * cos - sin * sin, 2 * cos * sin
     return float(c[2] * cos - c[1] * sin + 2 * (c[4] * even - c[3] * odd))
 
 
-@kernel
+@inner_kernel
 def _root(c: FloatArray, low: float, high: float) -> float:
     """Return the root in a bracket whose ends have opposite signs (Newton, kept by bisection)."""
     falling = _value(c, low) > 0.0

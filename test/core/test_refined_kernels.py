@@ -7,11 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geoprim_core.ecc import _kernels_refined_clutter as clutter
+from geoprim_core.ecc import _kernels_refined_conic as conic
 from geoprim_core.ecc import _kernels_refined_ends as ends
 from geoprim_core.ecc import _kernels_refined_final as final
 from geoprim_core.ecc import _kernels_refined_fit as fit
 from geoprim_core.ecc import _kernels_refined_outline as outline
 from geoprim_core.ecc import _kernels_refined_places as places_of
+from geoprim_core.ecc import _kernels_refined_refit as refit
 from geoprim_core.ecc import _kernels_refined_stroke as stroke
 from geoprim_core.ecc import _kernels_refined_support as support
 
@@ -55,6 +57,14 @@ def test_the_added_moments_of_two_arcs_give_back_their_ellipse(ellipse, start, s
     assert distance(row, ellipse) < 1e-3
 
 
+@settings(max_examples=100, deadline=None)
+@given(st.floats(-1, 1), st.floats(0.01, 2), st.floats(0, 2), st.floats(1e-6, 1e6))
+def test_the_largest_root_of_a_cubic_is_found(largest, gap, other, unit):
+    p, q, r = unit * largest, unit * (largest - gap), unit * (largest - gap - other)
+    found = conic.largest_root(-(p + q + r), p * q + q * r + r * p, -p * q * r)
+    assert abs(found - p) <= 1e-9 * unit
+
+
 def test_points_on_a_line_have_no_ellipse():
     moments = np.zeros(25)
     for k in range(20):
@@ -68,7 +78,8 @@ def test_the_refit_returns_from_a_nearby_ellipse_and_ignores_outliers(ellipse):
     points = points_of(ellipse, count=200)
     points[::20] += 8.0
     row = ellipse + np.array([0.3, -0.2, 0.4, -0.3, 0.004])
-    assert fit.refit(points, np.arange(200), 200, row, 8, 3.0)
+    near = np.concatenate([points.T, np.zeros((1, 200))])
+    assert refit.refit(near, 200, row, 8, 3.0)
     assert distance(row, ellipse) < 0.1
 
 
@@ -146,7 +157,7 @@ def collected(points, normals, ellipse, stride=2.0, min_cos=0.96):
     """
     head, following = support.index_points(points, normals, 120, 100)
     stamp, chosen = np.zeros(len(points), np.int64), np.empty(len(points) + 1, np.int64)
-    walk, sums = outline.new_walk(head, 100.0), np.empty(outline.SUMS)
+    walk, sums = outline.new_walk(head, 100.0, len(points)), np.empty(outline.SUMS)
     count = outline.collect(
         head, following, points, normals, ellipse, stride, 2.0, min_cos, 0, stamp, 1, walk,
         chosen, sums,

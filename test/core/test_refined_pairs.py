@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geoprim_core.ecc import _kernels_refined_common as common
+from geoprim_core.ecc import _kernels_refined_batch as batch
+from geoprim_core.ecc import _kernels_refined_fit as fit
 from geoprim_core.ecc import _kernels_refined_pairs as pairs
 from geoprim_core.ecc.refined import trace_refined
 from geoprim_core.ecc.refined_arcs import gather_edges, split_arcs
 from geoprim_core.ecc.refined_candidates import pair_arcs
 from geoprim_core.ecc.refined_params import RefinedParams
-from geoprim_core.fitting._kernels_shape import perimeter_of
 from geoprim_core.types import Contours
 
 FRAME = (900, 700)
@@ -50,28 +50,26 @@ def arcs_of(contours, params):
 def all_pairs(edges, arcs, params):
     """Return arcs -> (rank, ellipse) of all candidates, by trying every pair."""
     table, found = arcs.table, {}
-    ellipse, work = np.empty(5), np.empty(25)
-    samples = common.sample_arcs(edges.points, arcs.indices, arcs.offsets)
+    work, pair, row = np.empty(batch.WORK), np.empty((1, 2), np.int64), np.empty((1, 6))
+    samples = batch.sample_arcs(edges.points, arcs.indices, arcs.offsets)
     signed = edges.signed and params.same_polarity
     for i in range(len(table)):
         for j in range(i, len(table)):
             a, b = table[i], table[j]
-            size = a[18] + (b[18] if j > i else 0.0)
             if j > i:
-                far = np.hypot(*(a[:2] - b[:2])) > 0.5 * size / params.min_pair_share
+                far = np.hypot(*(a[:2] - b[:2])) > 0.5 * (a[18] + b[18]) / params.min_pair_share
                 if far or (signed and a[16] != b[16]):
                     continue
                 slack = params.region_slack
                 if not (pairs.sees(a, b, slack) and pairs.sees(b, a, slack)):
                     continue
-            rms = common.fit_arcs(
-                samples, table, arcs.moments, i,
-                j if j > i else -1, params.max_pair_rms, params.max_size * edges.diagonal,
-                np.inf, work, ellipse,
-            )  # fmt: skip
-            outline = perimeter_of(ellipse[2], ellipse[3])
-            if rms < params.max_pair_rms and size >= params.min_pair_share * outline:
-                found[i, j if j > i else -1] = (size / (0.15 + rms), *ellipse)
+            other = j if j > i else -1
+            if batch.fit_pairs(
+                samples, table, arcs.moments, np.array([i]), np.array([other]), 1,
+                params.max_pair_rms, params.max_size * edges.diagonal, params.min_pair_share,
+                work, pair, row,
+            ):  # fmt: skip
+                found[i, other] = tuple(row[0].tolist())
     return found
 
 
@@ -141,3 +139,20 @@ def test_a_ring_in_four_arcs_is_found_within_few_pairs(most):
     )
     trace = trace_refined(contours, None, RefinedParams(max_pairs=most))
     assert len(trace.detections) == 1
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_the_fit_of_a_pair_is_that_of_the_points_of_both_arcs(seed):
+    params = RefinedParams()
+    edges, arcs = arcs_of(drawn_arcs(seed, 40), params)
+    found = pair_arcs(edges, arcs, params)
+    for (i, j), row in list(zip(found.arcs, found.ellipses, strict=True))[:20]:
+        chosen = [arcs.indices[arcs.offsets[k] : arcs.offsets[k + 1]] for k in (i, j) if k >= 0]
+        points = edges.points[np.concatenate(chosen)]
+        x, y = points.mean(axis=0)
+        total, ellipse = np.zeros(25), np.empty(5)
+        for px, py in points:
+            fit.add_point(total, (px - x) / row[2], (py - y) / row[2])
+        assert fit.fit_moments(total, x, y, 1.0 / row[2], ellipse)
+        np.testing.assert_allclose(row[:4], ellipse[:4], rtol=1e-6)
