@@ -71,7 +71,7 @@ class RefinedParams(Params):
         5_000_000, "pairs: as many are looked at, longest arcs first", low=1, high=1_000_000_000
     )
     vote_radius: float = option(
-        16.0,
+        14.0,
         "votes: largest radius that edge points of a noisy image vote for, 0 for no votes",
         unit="px",
         low=0.0,
