@@ -25,11 +25,11 @@ ALIGNED = 2.0  # d_0 of thesis (5-11)
 
 
 @kernel
-def support_inside(parameter: FloatArray, ellipse: FloatArray) -> IntArray:
+def support_inside(parameter: FloatArray, ellipse: FloatArray, trim: float) -> IntArray:
     """Return the indices of supports, at sorted parameters, that do not end an arc.
 
-    Beside a gap of the support another edge has drawn the points to its side. All are returned
-    when too few would be left.
+    Within `trim` pixels of a gap of the support another edge has drawn the points to its side. All
+    are returned when too few would be left.
     """
     a, b = ellipse[2], ellipse[3]
     count = len(parameter)
@@ -45,13 +45,13 @@ def support_inside(parameter: FloatArray, ellipse: FloatArray) -> IntArray:
             continue
         path = 0.0
         at = (k + 1) % count
-        while path < TRIM:
+        while path < trim:
             inner[at] = False
             path += steps[at]
             at = (at + 1) % count
         path = 0.0
         at = k
-        while path < TRIM:
+        while path < trim:
             inner[at] = False
             at = (at - 1) % count
             path += steps[at]
@@ -195,8 +195,12 @@ def finish(
     max_size: float,
     min_size: float,
     spread: float,
+    trim: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the selected ellipses refitted, their covariances and their saliency criteria."""
+    """Return the selected ellipses refitted, their covariances and their saliency criteria.
+
+    `spread` is the variance of the blur that is undone, `trim` what is left out beside gaps.
+    """
     arc_of = arcs_of_points(order, ends, len(points))
     tally = np.zeros(len(ends), np.int64)
     count = len(selected)
@@ -212,7 +216,7 @@ def finish(
         parameter = parameters_of(moved, ellipse)
         sorting = np.argsort(parameter, kind="mergesort")
         parameter, moved = parameter[sorting], moved[sorting]
-        kept = support_inside(parameter, ellipse)
+        kept = support_inside(parameter, ellipse, trim)
         inner = moved[kept]
         width = refit_tightly(inner, ellipse, max_size, min_size)
         rows[s] = ellipse

@@ -47,7 +47,7 @@ GLANCE_HOPE = (10.0, 8.0)  # and the rest of the outline with the refits, after 
 
 # Entries of the array of limits that `improve` and `verify` take.
 REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI = range(7)
-ENDS, SPREAD, WHOLE_WEIGHT = range(7, 10)
+ENDS, SPREAD, WEIGHTS = range(7, 10)  # from the last on: what `evidence_of` takes
 
 
 @kernel
@@ -144,7 +144,7 @@ def look_at(
             if count <= fewest:
                 return 0
             least = hope - GLANCE_HOPE[k]
-            if hopeless(sums, count, each, ellipse, growth, limits[WHOLE_WEIGHT], least):
+            if hopeless(sums, count, each, ellipse, growth, limits[WEIGHTS:], least):
                 return 0
         start = end
     return count
@@ -200,7 +200,7 @@ def improve(
             return 0
         if step < 2:
             hope_left = hope - HOPE[step]
-            if hopeless(sums, count, stride, ellipse, growth, limits[WHOLE_WEIGHT], hope_left):
+            if hopeless(sums, count, stride, ellipse, growth, limits[WEIGHTS:], hope_left):
                 return 0
         gather_points(points, chosen, count, walk.support)
         good = True

@@ -26,6 +26,9 @@ ROUND_BY_CHANCE = (3.0, 5.0)  # semi-minor axes in pixels at which any blob is r
 EVEN = (0.03, 0.015)  # scatter in semi-minor axes from which a whole outline counts, and fully
 UNEVEN = 90.0  # evidence lost for a scatter of one semi-minor axis
 
+# Entries of the array of weights that `evidence_of` takes.
+WHOLE_WEIGHT, NOISE_SCATTER, NOISE_GAPS = range(3)
+
 
 @kernel
 def index_points(
@@ -72,7 +75,7 @@ def evidence_of(
     semi_minor: float,
     growth: float,
     outside: float,
-    whole_weight: float,
+    weights: FloatArray,
 ) -> float:
     """Return the log odds that an ellipse is right, as far as its support tells.
 
@@ -82,16 +85,20 @@ def evidence_of(
     point at random is as near with a probability in proportion to both scatters, so that their
     logarithms count for each pixel. The rest of the outline is extrapolated: the scatter, and
     what lies beyond the image, count in proportion to it. An outline that is as good as whole
-    has more for it than its length, up to `whole_weight`: few curves close evenly by chance, but
-    for blobs of some pixels. The weights, here and below, are those of a logistic regression.
+    has more for it than its length, up to a weight: few curves close evenly by chance, but
+    for blobs of some pixels. In a noisy image some scatter is no misfit, and a gap in an outline
+    that is as good as whole no sign against it: what they count comes in `weights`. The other
+    weights, here and below, are those of a logistic regression.
     """
     aligned = math.log(2.0 / (rms + 0.05)) - math.log(slant + 0.03)
-    extrapolated = 16.0 * rms / growth + 30.0 * outside
-    doubt = (1.0 - share) * extrapolated + UNEVEN * rms / semi_minor
-    whole = rising(share, NEARLY_WHOLE[0], NEARLY_WHOLE[1])
+    misfit = math.sqrt(max(0.0, rms * rms - weights[NOISE_SCATTER] ** 2))
+    extrapolated = 16.0 * misfit / growth + 30.0 * outside
+    doubt = (1.0 - share) * extrapolated + UNEVEN * misfit / semi_minor
+    whole = rising(share + weights[NOISE_GAPS], NEARLY_WHOLE[0], NEARLY_WHOLE[1])
     whole *= rising(semi_minor, ROUND_BY_CHANCE[0], ROUND_BY_CHANCE[1])
-    whole *= rising(-rms / semi_minor, -EVEN[0], -EVEN[1])
-    return 3.7 * math.log(1.0 + length * max(aligned, 0.1)) + whole_weight * whole - doubt - 17.7
+    whole *= rising(-misfit / semi_minor, -EVEN[0], -EVEN[1])
+    support = 3.7 * math.log(1.0 + length * max(aligned, 0.1))
+    return float(support + weights[WHOLE_WEIGHT] * whole - doubt - 17.7)
 
 
 @kernel
@@ -119,13 +126,13 @@ def support_evidence(
     length: float,
     ellipse: FloatArray,
     growth: float,
-    whole_weight: float,
+    weights: FloatArray,
 ) -> float:
     """Return the evidence of an ellipse from the sums that `collect` made, but for clutter."""
     share = min(sums[COVERED] / sums[IN_FRAME], sums[TURN_COVERED] / sums[TURN])
     rms, slant = math.sqrt(sums[SQUARES] / count), math.sqrt(sums[TURNED] / count)
     outside = 1.0 - sums[IN_FRAME] / sums[STEPS]
-    return evidence_of(share, rms, slant, length, ellipse[3], growth, outside, whole_weight)
+    return evidence_of(share, rms, slant, length, ellipse[3], growth, outside, weights)
 
 
 @inner_kernel
@@ -135,7 +142,7 @@ def hopeless(
     stride: float,
     ellipse: FloatArray,
     growth: float,
-    whole_weight: float,
+    weights: FloatArray,
     least: float,
 ) -> bool:
     """Tell whether the evidence of a first collection of support is below `least`.
@@ -145,6 +152,6 @@ def hopeless(
     """
     share = min(sums[COVERED] / sums[IN_FRAME], sums[TURN_COVERED] / sums[TURN])
     length = stride * sums[COVERED]
-    evidence = support_evidence(sums, count, length, ellipse, growth, whole_weight)
+    evidence = support_evidence(sums, count, length, ellipse, growth, weights)
     evidence += UNEVEN * math.sqrt(sums[SQUARES] / count) / ellipse[3]
     return bool(evidence - doubt_of_clutter(share, sums[CROSSING] / count) < least)

@@ -19,7 +19,7 @@ from geoprim_core.ecc._kernels_refined_improve import (
     LEAST_POINTS,
     MAX_SIZE,
     POLISHES,
-    WHOLE_WEIGHT,
+    WEIGHTS,
     improve,
     near_copy,
     polish_support,
@@ -116,7 +116,7 @@ def describe(
     row[6] = row[7] = 0.0
     share = min(row[1], row[2])
     growth = 1.0 + limits[GROWTH] * ellipse[3]
-    evidence = support_evidence(sums, count, row[5], ellipse, growth, limits[WHOLE_WEIGHT])
+    evidence = support_evidence(sums, count, row[5], ellipse, growth, limits[WEIGHTS:])
     if limits[ENDS] > 0.0 and evidence >= least:  # else it is too weak already
         row[6] = continuing_share(links, stamp, mark, chosen, count)
         if evidence - limits[ENDS] * doubt_of_ends(share, row[6], 0.0) >= least:
@@ -181,12 +181,13 @@ def verify(
     found = walked = 0
     for at in range(len(arcs)):
         i, j = arcs[at, 0], arcs[at, 1]
-        if taken[i] or (j >= 0 and taken[j]) or share_owner(owners, owned, i, j):
-            continue
-        if min(tries[i], tries[max(i, j)]) >= max_tries:  # arc i alone when j < 0
-            continue
+        if i >= 0:
+            if taken[i] or (j >= 0 and taken[j]) or share_owner(owners, owned, i, j):
+                continue
+            if min(tries[i], tries[max(i, j)]) >= max_tries:  # arc i alone when j < 0
+                continue
         ellipse[:] = candidates[at]
-        polarity = int(table[i, 16]) if signed else 0
+        polarity = int(table[i, 16]) if signed and i >= 0 else 0
         if walked == max_count:
             walked += 1
             break
@@ -196,8 +197,9 @@ def verify(
             stamp, 8 * walked, walk, chosen, sums, work,
         )  # fmt: skip
         if count == 0:
-            tries[i] += 1
-            tries[max(i, j)] += 1 if j > i else 0
+            if i >= 0:
+                tries[i] += 1
+                tries[max(i, j)] += 1 if j > i else 0
             continue
         evidence = describe(
             head, following, normals, links, walk, ellipse, sums, chosen, count, stamp,
@@ -222,7 +224,7 @@ def verify(
         strong = row[0] >= sure
         if weak_claims or row[0] >= polish:
             note_owner(chosen, count, arc_of, ends, tally, owners, owned, taken, found, strong)
-        else:
+        elif i >= 0:
             tries[i] += 1
             tries[max(i, j)] += 1 if j > i else 0
         ellipses[found] = ellipse

@@ -52,7 +52,7 @@ from geoprim_core.ecc import _kernels_refined_final as _final
 from geoprim_core.ecc import _kernels_refined_select as _select
 from geoprim_core.ecc import _kernels_refined_thirds as _thirds
 from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs, gather_edges, split_arcs
-from geoprim_core.ecc.refined_candidates import Candidates, Verified, pair_arcs, verify
+from geoprim_core.ecc.refined_candidates import Candidates, Verified, pair_arcs, verify, vote
 from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.ecc.refined_score import SCORE_MAP
 from geoprim_core.errors import InputError
@@ -158,7 +158,7 @@ def trace_refined(
     settings: RefinedParams = as_params(params, RefinedParams)
     edges = gather_edges(contours, settings)
     arcs = split_arcs(edges, contours, settings)
-    candidates = pair_arcs(edges, arcs, settings)
+    candidates = vote(edges, pair_arcs(edges, arcs, settings), settings)
     verified = cross_check(edges, verify(edges, arcs, candidates, settings), settings)
     verified = explain(edges, verified, settings)
     selection = select(edges, verified, settings)
@@ -272,11 +272,12 @@ def refit_chosen(
 
     Robust least squares of the orthogonal (Sampson) distances, after what the edge stage's blur
     has shrunk is undone (`undo_blur`), without the points beside gaps of the support, where what
-    hides the outline also bends its edge. The covariance follows from the scatter of the distances
-    at low frequencies along the outline and the doubt about a blur of the picture itself. It holds
-    to first order for x, y, the mean of the semi-axes and half their difference times the cosine
-    and the sine of twice the angle; of a circle the axes are told apart by chance, and its angle
-    is unknown. `geoprim_core.evaluation.coverage` measures how often it holds.
+    hides the outline also bends its edge, unless noise makes the gaps (`noise_gaps`). The
+    covariance follows from the scatter of the distances at low frequencies along the outline and
+    the doubt about a blur of the picture itself. It holds to first order for x, y, the mean of the
+    semi-axes and half their difference times the cosine and the sine of twice the angle; of a
+    circle the axes are told apart by chance, and its angle is unknown.
+    `geoprim_core.evaluation.coverage` measures how often it holds.
 
     References
     ----------
@@ -295,6 +296,7 @@ def refit_chosen(
         params.max_size * edges.diagonal,
         params.min_semi_minor,
         edges.spread if params.undo_blur else 0.0,
+        _final.TRIM * (1.0 - edges.noisiness if params.noise_gaps > 0.0 else 1.0),
     )
     return EllipseDetections(
         Ellipses.from_array(rows),

@@ -18,6 +18,7 @@ from geoprim_core.types import Contours
 
 SOBEL_VARIANCE = 0.5  # of the Sobel filter as a blur, in square pixels
 
+_NOISY = (0.8, 1.2)  # pixels of blur from which an image counts as noisy, a little and fully
 _LONG = 30  # points of a contour; on shorter ones noise decides
 
 
@@ -55,6 +56,15 @@ class EdgePoints:
     stroke: FloatArray
     signed: bool
     spread: float
+
+    @property
+    def noisiness(self) -> float:
+        """How far noise decides where edges lie and break: 0 not, 1 fully.
+
+        By the blur: the edge stage blurs an image more than others when it has measured noise.
+        """
+        blur = math.sqrt(max(0.0, self.spread - SOBEL_VARIANCE))
+        return min(1.0, max(0.0, (blur - _NOISY[0]) / (_NOISY[1] - _NOISY[0])))
 
     @property
     def diagonal(self) -> float:

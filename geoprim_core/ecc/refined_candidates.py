@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core.ecc import _kernels_refined_pairs as _pairs
 from geoprim_core.ecc import _kernels_refined_verify as _verify
+from geoprim_core.ecc import _kernels_refined_votes as _votes
 from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs
 from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.ecc.refined_score import SCORE_MAP
@@ -17,14 +18,15 @@ from geoprim_core.ecc.refined_score import SCORE_MAP
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidates:
-    """Ellipses through one arc or two, best first.
+    """Ellipses through one arc or two, best first, then circles by votes, best first.
 
     Attributes
     ----------
     arcs : (C, 2) int64
-        Indices of the arcs; the second is -1 where one arc made the candidate alone.
+        Indices of the arcs; the second is -1 where one arc made the candidate alone, both where
+        votes made it.
     rank : (C,) float64
-        Number of points over scatter.
+        Number of points over scatter, or of points that voted.
     ellipses : (C, 5) float64
     pairs : int
         Number of pairs whose search regions were looked at.
@@ -134,6 +136,31 @@ def _best_first(members: IntArray, rank: FloatArray) -> IntArray:
     return order
 
 
+def vote(edges: EdgePoints, candidates: Candidates, params: RefinedParams) -> Candidates:
+    """Add to the candidates of a noisy image the small circles that edge points vote for.
+
+    Noise breaks the contour of a small circle into pieces too short for an arc, or that bend as
+    they should not. Its single points still face one centre, and there are enough of them. They
+    come after all candidates from arcs, most points first, so that they only add what is missed.
+
+    References
+    ----------
+    Thesis 5.4.3 (votes for centres), from single points instead of edges.
+    """
+    if not (params.vote_radius > 0.0 and edges.noisiness > 0.0):
+        return candidates
+    circles, counts = _votes.circles_by_votes(
+        edges.head, edges.following, edges.points, edges.normals, params.vote_radius
+    )
+    order = np.argsort(-counts, kind="stable")
+    return replace(
+        candidates,
+        arcs=np.concatenate((candidates.arcs, np.full((len(order), 2), -1, np.int64))),
+        rank=np.concatenate((candidates.rank, counts[order])),
+        ellipses=np.concatenate((candidates.ellipses, circles[order])),
+    )
+
+
 def verify(
     edges: EdgePoints, arcs: SmoothArcs, candidates: Candidates, params: RefinedParams
 ) -> Verified:
@@ -183,5 +210,7 @@ def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:
             params.end_weight,
             params.reach_spread,
             params.whole_weight,
+            params.noise_scatter * edges.noisiness,
+            params.noise_gaps * edges.noisiness,
         ]
     )

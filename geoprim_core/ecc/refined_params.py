@@ -70,6 +70,13 @@ class RefinedParams(Params):
     max_pairs: int = option(
         5_000_000, "pairs: as many are looked at, longest arcs first", low=1, high=1_000_000_000
     )
+    vote_radius: float = option(
+        14.0,
+        "votes: largest radius that edge points of a noisy image vote for, 0 for no votes",
+        unit="px",
+        low=0.0,
+        high=100.0,
+    )
     max_candidates: int = option(
         10000, "verification: as many candidates are walked, best first", low=1, high=10_000_000
     )
@@ -125,6 +132,19 @@ class RefinedParams(Params):
         "verification: evidence that an even outline, whole or nearly so, adds to its length's",
         low=0.0,
         high=10.0,
+    )
+    noise_scatter: float = option(
+        0.3,
+        "verification: scatter of edges in a noisy image that is no misfit",
+        unit="px",
+        low=0.0,
+        high=2.0,
+    )
+    noise_gaps: float = option(
+        0.2,
+        "verification, refit: share of an outline that noise hides, 0 where gaps are no noise",
+        low=0.0,
+        high=0.7,
     )
     claim_score: float = option(
         0.975,

@@ -135,6 +135,21 @@ DEPARTURES = (
         "an edge point supports one ellipse",
     ),
     Departure(
+        "small circles by votes in noisy images",
+        {"ecc.refined.vote_radius": 0.0},
+        "noise breaks a small contour, its points still face one centre",
+    ),
+    Departure(
+        "noise explains scatter",
+        {"ecc.refined.noise_scatter": 0.0},
+        "edges in noise scatter about the right ellipse too",
+    ),
+    Departure(
+        "noise explains gaps",
+        {"ecc.refined.noise_gaps": 0.0},
+        "in noise an outline has gaps that nothing hides",
+    ),
+    Departure(
         "search region before the fit",
         {"ecc.refined.region_slack": 100.0},
         "pairs that cannot be one ellipse cost no fit",

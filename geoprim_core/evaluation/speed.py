@@ -21,7 +21,7 @@ from geoprim_core.ecc import (
 )
 from geoprim_core.ecc.refined import explain, refit_chosen, select
 from geoprim_core.ecc.refined_arcs import gather_edges, split_arcs
-from geoprim_core.ecc.refined_candidates import pair_arcs, verify
+from geoprim_core.ecc.refined_candidates import pair_arcs, verify, vote
 from geoprim_core.edges import extract_contours
 from geoprim_core.evaluation.peer_runner import CLOCKS
 
@@ -124,7 +124,7 @@ def _time_steps(image: AnyArray, params: DetectorParams, now: Callable[[], float
     edges = gather_edges(contours, settings)
     arcs = split_arcs(edges, contours, settings)
     clock.append(now())
-    candidates = pair_arcs(edges, arcs, settings)
+    candidates = vote(edges, pair_arcs(edges, arcs, settings), settings)
     clock.append(now())
     verified = verify(edges, arcs, candidates, settings)
     clock.append(now())
