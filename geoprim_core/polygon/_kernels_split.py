@@ -137,7 +137,8 @@ def _split(
     last = stack[0]
     patience = PATIENCE * (last + 64)
     none = np.zeros((0, 5))
-    size, low = _split_on(x, y, test, limit, kept, stack, size, 0, no_hulls(), none, patience)
+    low = last - last  # not the number 0, for which there would be a compiled form of its own
+    size, low = _split_on(x, y, test, limit, kept, stack, size, low, no_hulls(), none, patience)
     if size > 0:
         hulls = block_hulls(x, y, last + 1)
         sums = running_moments(x, y, last + 1) if test < TOLERANCE else none
