@@ -1,4 +1,4 @@
-"""Kernels of the blurred segments: hull of a gliding window, maximal segments, vertices."""
+"""Kernels of the blurred segments: strip of a gliding window, maximal segments, vertices."""
 
 from __future__ import annotations
 
@@ -10,93 +10,106 @@ from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.polygon._kernels import deviation_bound_of
 
-
-@kernel
-def _cross(hull: FloatArray, i: int, j: int, x: float, y: float) -> float:
-    ax, ay = hull[i, 0], hull[i, 1]
-    side: float = (hull[j, 0] - ax) * (y - ay) - (hull[j, 1] - ay) * (x - ax)
-    return side
+# The state of a window: the axis measured along (0: y, 1: x), the indices of its points that are
+# farthest out on either side of the strip, and for each axis two pairs of points (see `_strip`).
+AXIS, TOP, BOTTOM, PAIRS = 0, 1, 2, 3
+UNKNOWN = -1
 
 
 @kernel
-def _with_point(hull: FloatArray, size: int, x: float, y: float, after: FloatArray) -> int:
-    """Write the convex hull of a hull and a point into `after`; return its number of corners.
+def _start_pairs(points: FloatArray, low: int, high: int, pairs: IntArray, axis: int) -> bool:
+    """Take two points that differ along the strip; say whether there are any."""
+    for k in range(high, low, -1):
+        if points[axis, k] != points[axis, low]:
+            pairs[0], pairs[1], pairs[2], pairs[3] = k, low, low, k
+            if points[axis, k] < points[axis, low]:
+                pairs[0], pairs[1], pairs[2], pairs[3] = low, k, k, low
+            return True
+    return False
 
-    Corners turn one way round; of collinear points only the outer two are kept. -1: the point
-    lies inside and nothing is written.
+
+@kernel
+def _strip(
+    points: FloatArray, low: int, high: int, limit: float, state: IntArray, slope: FloatArray
+) -> bool:
+    """Find a strip of at most `limit` along the state's axis that holds the points low .. high.
+
+    The thickness of the strip of slope m through the outermost points is convex in m, and every
+    pair of points (t, b) bounds it from below by the line v_t - v_b - m (u_t - u_b). The pairs of
+    the state are one of falling and one of rising line. Where they cross is the next slope; either
+    the strip is thin enough there, or its own pair is a better bound, or the bound is too thick.
     """
-    if size >= 3:
-        begin = -1  # the first edge of the chain that the point sees
-        for t in range(size):
-            if (
-                _cross(hull, t, (t + 1) % size, x, y) < 0.0
-                and _cross(hull, (t + size - 1) % size, t, x, y) >= 0.0
-            ):
-                begin = t
-        if begin < 0:
-            return -1
-        end = (begin + 1) % size
-        while _cross(hull, end, (end + 1) % size, x, y) < 0.0:
-            end = (end + 1) % size
-        if _cross(hull, (begin + size - 1) % size, begin, x, y) == 0.0:
-            begin = (begin + size - 1) % size
-        if _cross(hull, end, (end + 1) % size, x, y) == 0.0:
-            end = (end + 1) % size
-        count, t = 0, end
-        while True:
-            after[count, 0], after[count, 1] = hull[t, 0], hull[t, 1]
-            count += 1
-            if t == begin:
-                break
-            t = (t + 1) % size
-        after[count, 0], after[count, 1] = x, y
-        return count + 1
-    after[:size] = hull[:size]
-    after[size, 0], after[size, 1] = x, y
-    if size < 2:
-        return -1 if size == 1 and x == hull[0, 0] and y == hull[0, 1] else size + 1
-    side = _cross(hull, 0, 1, x, y)
-    if side < 0.0:
-        after[0], after[1] = hull[1], hull[0]
-    if side != 0.0:
-        return 3
-    dx, dy = hull[1, 0] - hull[0, 0], hull[1, 1] - hull[0, 1]
-    along = (x - hull[0, 0]) * dx + (y - hull[0, 1]) * dy
-    if 0.0 <= along <= dx * dx + dy * dy:
-        return -1
-    after[0] = hull[1] if along < 0.0 else hull[0]
-    after[1, 0], after[1, 1] = x, y
-    return 2
+    axis = state[AXIS]
+    pairs = state[PAIRS + 4 * axis : PAIRS + 4 * axis + 4]
+    if pairs[0] == UNKNOWN and not _start_pairs(points, low, high, pairs, axis):
+        return False
+    bound = -np.inf
+    while True:
+        a1 = points[1 - axis, pairs[0]] - points[1 - axis, pairs[1]]
+        b1 = points[axis, pairs[0]] - points[axis, pairs[1]]
+        a2 = points[1 - axis, pairs[2]] - points[1 - axis, pairs[3]]
+        b2 = points[axis, pairs[2]] - points[axis, pairs[3]]
+        before, bound = bound, (a2 * b1 - a1 * b2) / (b1 - b2)
+        if bound > limit or bound <= before:  # too thick, or the thinnest strip
+            return bool(bound <= limit)
+        m = (a1 - a2) / (b1 - b2)
+        top, bottom, most, least = low, low, -np.inf, np.inf
+        for k in range(low, high + 1):
+            value = points[1 - axis, k] - m * points[axis, k]
+            if value > most:
+                most, top = value, k
+            if value < least:
+                least, bottom = value, k
+        slope[0], state[TOP], state[BOTTOM] = m, top, bottom
+        a = points[1 - axis, top] - points[1 - axis, bottom]
+        b = points[axis, top] - points[axis, bottom]
+        if most - least <= limit:
+            return True
+        if b == 0.0:  # the thinnest strip as well
+            return bool(a <= limit)
+        side = 0 if b > 0.0 else 2
+        pairs[side], pairs[side + 1] = top, bottom
 
 
 @kernel
-def _thickness(hull: FloatArray, size: int) -> float:
-    """Return the least thickness of a hull along an axis, min over edges (rotating calipers)."""
-    if size < 3:
-        return 0.0
-    least, far = np.inf, 1
-    for t in range(size):
-        u = (t + 1) % size
-        while _cross(hull, t, u, hull[(far + 1) % size, 0], hull[(far + 1) % size, 1]) > _cross(
-            hull, t, u, hull[far, 0], hull[far, 1]
-        ):
-            far = (far + 1) % size
-        run = max(abs(hull[u, 0] - hull[t, 0]), abs(hull[u, 1] - hull[t, 1]))
-        least = min(least, _cross(hull, t, u, hull[far, 0], hull[far, 1]) / run)
-    return least
+def _joins(
+    points: FloatArray, low: int, high: int, i: int, width: float, rule: int,
+    state: IntArray, slope: FloatArray, trial: IntArray,
+) -> bool:  # fmt: skip
+    """Say whether the window low .. high, to which pixel i is new, fits; if so keep its state.
 
-
-@kernel
-def _fits(points: FloatArray, i: int, j: int, thickness: float, width: float, rule: int) -> bool:
-    """Say whether a window from pixel i to pixel j may be so thick; rule -1: the fixed width."""
-    if abs(j - i) <= 1:
+    Mostly the strip found last holds the new pixel as well. Rule -1 is the fixed width.
+    """
+    axis, m = state[AXIS], slope[0]
+    value = points[1 - axis, i] - m * points[axis, i]
+    most = points[1 - axis, state[TOP]] - m * points[axis, state[TOP]]
+    least = points[1 - axis, state[BOTTOM]] - m * points[axis, state[BOTTOM]]
+    thickness = max(value, most) - min(value, least)
+    limit = width if rule < 0 else 1.0
+    if rule >= 0 and thickness > limit:
+        dx, dy = points[0, high] - points[0, low], points[1, high] - points[1, low]
+        limit = max(deviation_bound_of(rule, dx, dy), 1.0)
+    if thickness <= limit:
+        if value > most:
+            state[TOP] = i
+        if value < least:
+            state[BOTTOM] = i
         return True
-    if rule < 0:
-        return thickness <= width
-    count = len(points)
-    dx = points[j % count, 0] - points[i % count, 0]
-    dy = points[j % count, 1] - points[i % count, 1]
-    return thickness <= max(deviation_bound_of(rule, dx, dy), 1.0)
+    trial[:] = state
+    for _ in range(2):
+        if _strip(points, low, high, limit, trial, slope):
+            state[:] = trial
+            return True
+        trial[AXIS] = 1 - trial[AXIS]
+    slope[0] = m
+    return False
+
+
+@kernel
+def _begin(state: IntArray, slope: FloatArray, i: int) -> None:
+    """Make the window the pixel i alone."""
+    state[:] = UNKNOWN
+    state[AXIS], state[TOP], state[BOTTOM], slope[0] = 0, i, i, 0.0
 
 
 @kernel
@@ -106,45 +119,35 @@ def maximal_blurred_segments(
     """Return first and last pixels (k, 2) of all maximal blurred segments, and if one is all.
 
     The window grows ahead while it fits. Then the next one is built backwards from the pixel
-    that did not fit; its hull is the one to go on with.
+    that did not fit; its strip is the one to go on with.
     """
     count = len(points)
     found = np.empty((count + 1, 2), np.int64)
-    hull, spare = np.empty((count + 2, 2)), np.empty((count + 2, 2))
-    hull[0] = points[0]
-    size, kept = 1, 0
-    first = last = 0
-    emitted = False
     end = 3 * count if closed else count
+    rounds = np.empty((2, end))  # one row x, one row y
+    for i in range(end):
+        rounds[0, i], rounds[1, i] = points[i % count, 0], points[i % count, 1]
+    state, trial, slope = np.empty(PAIRS + 8, np.int64), np.empty(PAIRS + 8, np.int64), np.empty(1)
+    _begin(state, slope, 0)
+    first, last, kept, emitted = 0, 0, 0, False
     while last + 1 < end:
         if closed and last - first + 1 >= count:
             return found[:0], True
-        i = (last + 1) % count
-        corners = _with_point(hull, size, points[i, 0], points[i, 1], spare)
-        thickness = _thickness(hull, size) if corners < 0 else _thickness(spare, corners)
-        if _fits(points, first, last + 1, thickness, width, rule):
-            last += 1
-            if corners >= 0:
-                hull, spare, size = spare, hull, corners
+        last += 1
+        if _joins(rounds, first, last, last, width, rule, state, slope, trial):
             continue
         if closed and kept > 0 and first >= found[0, 0] + count:
             return found[:kept].copy(), False
         if emitted or not closed:
-            found[kept, 0], found[kept, 1] = first, last
+            found[kept, 0], found[kept, 1] = first, last - 1
             kept += 1
         emitted = True
-        last += 1
-        hull[0] = points[i]
-        size, start = 1, last
+        _begin(state, slope, last)
+        start = last
         while start - 1 > first:
-            i = (start - 1) % count
-            corners = _with_point(hull, size, points[i, 0], points[i, 1], spare)
-            thickness = _thickness(hull, size) if corners < 0 else _thickness(spare, corners)
-            if not _fits(points, start - 1, last, thickness, width, rule):
+            if not _joins(rounds, start - 1, last, start - 1, width, rule, state, slope, trial):
                 break
             start -= 1
-            if corners >= 0:
-                hull, spare, size = spare, hull, corners
         first = start
     if not closed:
         found[kept, 0], found[kept, 1] = first, last

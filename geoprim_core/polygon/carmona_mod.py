@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 import numpy.typing as npt
 
 from geoprim_core import _check
-from geoprim_core._check import IntArray
+from geoprim_core._check import FloatArray, IntArray
 from geoprim_core.params import Params, as_params, option
 from geoprim_core.polygon._kernels_break import break_points_of
 from geoprim_core.polygon._kernels_carmona import carmona_of
@@ -35,6 +36,11 @@ def carmona_mod(
     it the tables would hold a hundred vertices; "s phi" in (2-66) is s dphi_max, a bound rule).
     With `refuse` a deletion whose new edge would exceed its bound is refused instead, and the
     sweeps go on until no vertex can go: then no edge ever exceeds its bound.
+
+    The break points are those of the curve's pixels, each the first point in it: where a
+    real-valued curve has many points a pixel, all of them are break points close to their
+    neighbours' line, and the first sweep would delete nearly all. The printed row of the sinc
+    curve (Table 2.7-8) comes out so.
 
     Parameters
     ----------
@@ -68,7 +74,15 @@ def carmona_mod(
     """
     chosen: CarmonaModParams = as_params(params, CarmonaModParams)
     curve = _check.points(points)
-    start = break_points_of(curve, bool(closed), EXACT)
+    start = break_points_of(_pixels(curve), bool(closed), EXACT)
+    if len(start) <= 2:  # a curve within few pixels
+        start = break_points_of(curve, bool(closed), EXACT)
     rule = rule_number(chosen.bound)
     indices: IntArray = carmona_of(curve, bool(closed), start, rule, 0.0, True, chosen.refuse)
     return indices
+
+
+def _pixels(curve: FloatArray) -> FloatArray:
+    """Return the pixels of points; one half-way between two stays there, mirrored or not."""
+    pixels: FloatArray = 0.5 * (np.ceil(curve - 0.5) + np.floor(curve + 0.5))
+    return pixels

@@ -25,9 +25,9 @@ ROWS = pytest.mark.parametrize("row", list(TABLE), ids=TABLE.names)
 REFUSING = {"masood": {"refuse": True}, "carmona_mod": {"refuse": True}}
 # r_i of (2-65) is a ratio of lengths: the only corner of a curve passes for any size.
 WITHOUT_LAST_CORNER = {"carmona"}
-# Masood's methods take a second or more for the full length on a busy machine. `optimal` refuses
-# more than 40 million states, vertices times pixels: what is exact is not for such lengths.
-LENGTHS = {"masood": 20_000, "masood_mod": 20_000, "optimal": 3_000}
+# `optimal` refuses more than 40 million states, vertices times pixels: what is exact is not for
+# such lengths.
+LENGTHS = {"optimal": 3_000}
 # Parameters under which a digital straight segment is two points. The others judge by an area
 # (visvalingam), by every change of direction (break_points), by local extrema (teh_chin) or by
 # r_i (carmona).

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geoprim_core.errors import ParameterError
+from geoprim_core.evaluation.polygon import measure_polygon
 from geoprim_core.evaluation.polygon_speed import comb, long_wave, spiral
 from geoprim_core.polygon import (
     BreakPointsParams,
@@ -30,6 +31,7 @@ from geoprim_core.polygon import (
     visvalingam,
 )
 from geoprim_core.polygon._kernels_reach import block_hulls, farthest_by_hulls, farthest_by_scan
+from geoprim_core.synthetic import formula_curve
 
 STEPS = np.array([(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)])
 
@@ -180,6 +182,21 @@ def test_carmona_mod_refuses_what_its_sweeps_would_violate():
     refused = carmona_mod(curve, closed=True, params=CarmonaModParams("exact", refuse=True))
     assert 10 <= len(refused) < len(break_points(curve, closed=True)) / 2
     assert 10 <= len(swept) < len(break_points(curve, closed=True)) / 2
+
+
+@pytest.mark.parametrize("count", [500, 2_000, 20_000])
+def test_carmona_mod_follows_a_circle_however_many_points_a_pixel_it_has(count):
+    t = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    circle = 80 * np.stack([np.cos(t), np.sin(t)], axis=1)
+    metrics = measure_polygon(circle, carmona_mod(circle, closed=True), closed=True)
+    assert metrics.vertices >= 12 and metrics.max_deviation < 8
+
+
+def test_carmona_mod_gives_the_printed_row_of_the_sinc_curve():
+    sinc = formula_curve("sinc", "real")
+    metrics = measure_polygon(sinc, carmona_mod(sinc))
+    assert (metrics.vertices, round(metrics.max_deviation, 2)) == (8, 3.38)  # Table 2.7-8
+    assert metrics.ise == pytest.approx(160.59, abs=0.02)
 
 
 def test_lowe_takes_the_longest_segments_for_their_deviation():
