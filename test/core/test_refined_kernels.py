@@ -12,6 +12,7 @@ from geoprim_core.ecc import _kernels_refined_conic as conic
 from geoprim_core.ecc import _kernels_refined_ends as ends
 from geoprim_core.ecc import _kernels_refined_final as final
 from geoprim_core.ecc import _kernels_refined_fit as fit
+from geoprim_core.ecc import _kernels_refined_order as order
 from geoprim_core.ecc import _kernels_refined_outline as outline
 from geoprim_core.ecc import _kernels_refined_places as places_of
 from geoprim_core.ecc import _kernels_refined_refit as refit
@@ -72,6 +73,13 @@ def test_unit_vectors_are_those_of_the_library_to_rounding(angles):
     angle = np.array([*angles, 0.0, np.pi, -np.pi, 0.5 * np.pi, -0.5 * np.pi])
     expected = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     np.testing.assert_allclose(arcs.unit_vectors(angle), expected, rtol=0, atol=3e-16)
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.floats(-np.pi, np.pi) | st.sampled_from([-np.pi, 0.0, 1.0, np.pi])))
+def test_the_order_around_an_ellipse_is_that_of_a_stable_sort(angles):
+    angle = np.array(angles, float)
+    np.testing.assert_array_equal(order.order_around(angle), np.argsort(angle, kind="stable"))
 
 
 def test_points_on_a_line_have_no_ellipse():
