@@ -97,12 +97,11 @@ def is_crossed(
 @kernel
 def place_on_outline(m: int, size: int) -> int:
     """Return where `Walk.state` holds place m of an outline of four times `size` places."""
-    quarter, k = m // size, m % size
-    if quarter == 0:
-        return 4 * k
-    if quarter == 1:
-        return 4 * (size - 1 - k) + 1
-    return 4 * k + 3 if quarter == 2 else 4 * (size - 1 - k) + 2
+    if m < size:  # comparisons: a division costs as much as all the rest
+        return 4 * m
+    if m < 2 * size:
+        return 4 * (2 * size - 1 - m) + 1
+    return 4 * (m - 2 * size) + 3 if m < 3 * size else 4 * (4 * size - 1 - m) + 2
 
 
 @inner_kernel
@@ -150,13 +149,14 @@ def unexplained_share(
         start += 1
     gap = ends = unexplained = 0
     for m in range(1, steps + 1 if start < steps else 0):  # from a supported step around to it
-        k = (start + m) % steps
+        k = start + m if start + m < steps else start + m - steps
         if walk.state[place_on_outline(k, size)] == GAP:
             gap += 1
             continue
         if gap >= LEAST_GAP:
             for back in (gap, 1):
-                place = place_on_outline((k - back) % steps, size)
+                before = k - back if k >= back else k - back + steps
+                place = place_on_outline(before, size)
                 ends += 1
                 if not is_end_crossed(head, following, normals, ellipse, cos, sin, walk, place):
                     unexplained += 1

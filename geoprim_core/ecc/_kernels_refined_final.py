@@ -10,6 +10,7 @@ from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_covariance import covariance_of, radius_at
 from geoprim_core.ecc._kernels_refined_fit import offset_of
+from geoprim_core.ecc._kernels_refined_order import order_around
 from geoprim_core.ecc._kernels_refined_refit import FAR, MAD, TUKEY, X, Y, measure_points, refit
 from geoprim_core.ecc._kernels_refined_support import arcs_of_points
 
@@ -214,7 +215,7 @@ def finish(
         ellipse = ellipses[k].copy()
         moved = unshrunk(points, chosen, ellipse, spread)
         parameter = parameters_of(moved, ellipse)
-        sorting = np.argsort(parameter, kind="mergesort")
+        sorting = order_around(parameter)
         parameter, moved = parameter[sorting], moved[sorting]
         kept = support_inside(parameter, ellipse, trim)
         inner = moved[kept]

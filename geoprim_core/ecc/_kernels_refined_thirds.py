@@ -8,6 +8,7 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core.ecc._kernels_refined_order import order_around
 from geoprim_core.ecc._kernels_refined_refit import solve5
 from geoprim_core.ecc._kernels_refined_support import doubt_of_clutter
 
@@ -72,7 +73,7 @@ def prediction_error(points: FloatArray, chosen: IntArray, ellipse: FloatArray) 
     count = len(chosen)
     rows = np.empty((count, 7))
     write_rows(points, chosen, ellipse, rows)
-    order = np.argsort(rows[:, 6])
+    order = order_around(rows[:, 6].copy())
     rows = rows[np.roll(order, -after_largest_gap(rows[:, 6], order))]
     width = 2.0 * np.median(np.abs(rows[:, 5])) + LEAST_WIDTH
     first = (count + 1) // 3

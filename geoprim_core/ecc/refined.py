@@ -164,7 +164,8 @@ def trace_refined(
     selection = select(edges, verified, settings)
     detections = refit_chosen(edges, arcs, verified, selection, contours.image_size, settings)
     left_out = what_was_left_out(candidates, verified, settings)
-    detections = replace(detections, complete=not left_out, reason=left_out)
+    if left_out:
+        detections = replace(detections, complete=False, reason=left_out)
     return RefinedTrace(edges, arcs, candidates, verified, selection, detections)
 
 
@@ -283,8 +284,8 @@ def refit_chosen(
     ----------
     Thesis (5-10), (5-12), (5-13) for coverage, alignment and continuity.
     """
-    score = verified.score[selection.chosen]
-    best = selection.chosen[np.argsort(-score, kind="stable")]
+    score = verified.score
+    best = selection.chosen[np.argsort(-score[selection.chosen], kind="stable")]
     rows, covariance, saliency = _final.finish(
         edges.points,
         arcs.indices,
@@ -300,7 +301,7 @@ def refit_chosen(
     )
     return EllipseDetections(
         Ellipses.from_array(rows),
-        verified.score[best],
+        score[best],
         saliency[:, 0],
         saliency[:, 1],
         saliency[:, 2],

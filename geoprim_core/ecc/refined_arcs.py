@@ -151,8 +151,7 @@ def _frame(contours: Contours) -> tuple[int, int]:
 
 def _normals(contours: Contours) -> FloatArray:
     if contours.gradient_angle is not None:
-        angle = contours.gradient_angle
-        return np.stack((np.cos(angle), np.sin(angle)), axis=1)
+        return _arcs.unit_vectors(contours.gradient_angle)
     return _arcs.chain_normals(contours.positions, contours.offsets, contours.closed)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -70,10 +71,16 @@ class ScoreMap:
 
     def evidence_of(self, probability: float) -> float:
         """Return the evidence that has a probability, infinite at 0 and 1."""
-        if probability <= 0.0 or probability >= 1.0:
-            return np.inf if probability >= 1.0 else -np.inf
-        odds = np.array([np.log(probability / (1.0 - probability))])
-        return float(_line(odds, self.log_odds, self.evidence)[0])
+        return _evidence_of(self, probability)
+
+
+@lru_cache(maxsize=64)
+def _evidence_of(score_map: ScoreMap, probability: float) -> float:
+    """Return `ScoreMap.evidence_of`, kept: each image asks for the same few several times."""
+    if probability <= 0.0 or probability >= 1.0:
+        return np.inf if probability >= 1.0 else -np.inf
+    odds = np.array([np.log(probability / (1.0 - probability))])
+    return float(_line(odds, score_map.log_odds, score_map.evidence)[0])
 
 
 def _line(values: FloatArray, xs: FloatArray, ys: FloatArray) -> FloatArray:

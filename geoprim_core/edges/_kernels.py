@@ -7,11 +7,43 @@ from typing import Any
 
 import numpy as np
 
-from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core._jit import inner_kernel, kernel, summing_kernel
 
 HISTOGRAM_BINS = 4096
 BLOCK = 64  # pixels of a row
 WEAK, STRONG = 1, 2
+
+
+@summing_kernel
+def exceeds(values: Any, limit: Any) -> Any:
+    """Return how many values of a row exceed a limit, in single precision as the values."""
+    one, none = np.float32(1.0), np.float32(0.0)
+    count = none
+    for x in range(len(values)):
+        count += one if values[x] > limit else none
+    return count
+
+
+@summing_kernel
+def row_sums(row: Any) -> Any:
+    """Return the sum of the magnitudes of a row and that of their squares."""
+    total = squares = 0.0
+    for x in range(len(row)):
+        value = np.float64(row[x])
+        total += value
+        squares += value * value
+    return total, squares
+
+
+@kernel
+def magnitude_sums(values: Any) -> Any:
+    """Return the sum of magnitudes (H, W) and that of their squares."""
+    total = squares = 0.0
+    for y in range(len(values)):
+        plain, square = row_sums(values[y])
+        total += plain
+        squares += square
+    return total, squares
 
 
 @kernel
@@ -24,12 +56,10 @@ def median_magnitude(values: Any, largest: Any, least: Any) -> Any:
     height, width = values.shape
     scale = np.float32((HISTOGRAM_BINS - 1) / math.sqrt(largest))
     edge = np.float32((math.floor(math.sqrt(min(least, largest)) * scale) / scale) ** 2 * 0.99999)
-    below = 0
+    above = 0
     for y in range(height):
-        row = values[y]
-        for x in range(width):
-            below += row[x] < edge
-    if 2 * below >= values.size:
+        above += exceeds(values[y], edge)
+    if 2 * (values.size - above) >= values.size:
         return 0.0
     counts = np.zeros((2, HISTOGRAM_BINS), np.int32)
     bins = np.empty(width, np.int32)
@@ -62,21 +92,13 @@ def checkers(levels: Any, out: Any) -> None:
 
 
 @inner_kernel
-def exceeds(values: Any, limit: Any) -> Any:
-    """Return how many values exceed a limit."""
-    count = np.int32(0)
-    for x in range(len(values)):
-        count += np.int32(values[x] > limit)
-    return count
-
-
-@inner_kernel
 def suppress_run(
     values: Any, dx: Any, dy: Any, y: Any, first: Any, last: Any, low: Any, high: Any, state: Any
 ) -> None:
     """Do what `suppress` does with the pixels first .. last - 1 of row y.
 
-    The body has no branches, so that it compiles to vector instructions.
+    The body has no branches, so that it compiles to vector instructions; all neighbours are read
+    before one is chosen, or some are read one by one.
     """
     zero = np.float32(0.0)
     above, level, below = (
@@ -89,16 +111,19 @@ def suppress_run(
     for x in range(last - first):
         gx = along_x[x]
         gy = along_y[x]
-        here = level[x + 1]
+        left, here, right = level[x], level[x + 1], level[x + 2]
+        upper_left, upper, upper_right = above[x], above[x + 1], above[x + 2]
+        lower_left, lower, lower_right = below[x], below[x + 1], below[x + 2]
         flat = abs(gx) >= abs(gy)
         major = abs(gx) if flat else abs(gy)
         minor = abs(gy) if flat else abs(gx)
         lead = gx if flat else gy
         same = (gx >= zero) == (gy >= zero)
-        side_1 = level[x + 2] if flat else below[x + 1]
-        side_2 = level[x] if flat else above[x + 1]
-        corner_1 = below[x + 2] if same else (above[x + 2] if flat else below[x])
-        corner_2 = above[x] if same else (below[x] if flat else above[x + 2])
+        side_1 = right if flat else lower
+        side_2 = left if flat else upper
+        rising, falling = upper_right if flat else lower_left, lower_left if flat else upper_right
+        corner_1 = lower_right if same else rising
+        corner_2 = upper_left if same else falling
         # Differences first: equal neighbours then give an exact zero.
         rise_1 = (major - minor) * (here - side_1) + minor * (here - corner_1)
         rise_2 = (major - minor) * (here - side_2) + minor * (here - corner_2)

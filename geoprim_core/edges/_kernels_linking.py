@@ -32,7 +32,7 @@ def forward_steps(reach: Any) -> Any:
 @kernel
 def find_pairs(first: Any, last: Any, xs: Any, ys: Any, index: Any, table: Any, steps: Any,
                least: Any, pairs: Any) -> Any:  # fmt: skip
-    """Write from, to, step of the near pixels with alike gradients; return how many they are.
+    """Write from, to of the near pixels with alike gradients; return how many they are.
 
     They follow the pixels from `first` until `last`, in raster order. Every step is written and
     kept or not: whether there is a pixel is a coin toss, which a branch loses.
@@ -40,24 +40,45 @@ def find_pairs(first: Any, last: Any, xs: Any, ys: Any, index: Any, table: Any, 
     stride = index.shape[1]
     flat = index.ravel()
     hops = steps[:, 1] * stride + steps[:, 0]
+    source, target = pairs[0], pairs[1]
     near = np.uint64(0)
     for k in range(first, last):
         place = np.int64(ys[k]) * stride + xs[k]
         for s in range(len(hops)):
             m = flat[np.uint64(place + hops[s])]
-            pairs[near, 0] = k
-            pairs[near, 1] = m
-            pairs[near, 2] = s
+            source[near] = k
+            target[near] = m
             near += np.uint64(m != NONE)
     alike = np.uint64(0)
     for c in range(near):
-        k, m = pairs[c, 0], pairs[c, 1]
-        pairs[alike, 0] = k
-        pairs[alike, 1] = m
-        pairs[alike, 2] = pairs[c, 2]
+        k, m = source[c], target[c]
+        source[alike] = k
+        target[alike] = m
         cosine = table[k, NX] * table[m, NX] + table[k, NY] * table[m, NY]
         alike += np.uint64(cosine >= least)
     return np.int64(alike)
+
+
+@inner_kernel
+def measure_pairs(pairs: Any, found: Any, xs: Any, ys: Any, table: Any, rows: Any) -> None:
+    """Write of each pair how far it leads along and across the edge, squared way, cosine.
+
+    The way is that from edge to edge. No branches: vector instructions.
+    """
+    source, target = pairs[0], pairs[1]
+    alongs, acrosses, ways, cosines = rows[0], rows[1], rows[2], rows[3]
+    for c in range(found):
+        k, m = source[c], target[c]
+        nx, ny = table[k, NX], table[k, NY]
+        mx, my = table[m, NX], table[m, NY]
+        cosine = nx * mx + ny * my
+        ex = xs[m] - xs[k] + table[m, OX] - table[k, OX]
+        ey = ys[m] - ys[k] + table[m, OY] - table[k, OY]
+        scale = 1.0 / math.sqrt(2.0 + 2.0 * cosine)
+        alongs[c] = (ex * (ny + my) - ey * (nx + mx)) * scale
+        acrosses[c] = abs(ex * (nx + mx) + ey * (ny + my)) * scale
+        ways[c] = ex * ex + ey * ey
+        cosines[c] = cosine
 
 
 @inner_kernel
@@ -85,12 +106,13 @@ def find_steps(
     """
     count = len(xs)
     steps = forward_steps(reach)
-    pairs = np.empty((CHUNK * len(steps) + 1, 3), np.uint32)
+    pairs = np.empty((2, CHUNK * len(steps) + 1), np.uint32)
+    rows = np.empty((4, CHUNK * len(steps)))
     double = np.zeros(count, np.bool_)
-    source = np.empty(2 * count + len(pairs), np.uint32)
-    target = np.empty(2 * count + len(pairs), np.uint32)
-    cost = np.empty(2 * count + len(pairs), np.float32)
-    cosines = np.empty(2 * count + len(pairs), np.float32)
+    source = np.empty(2 * count + pairs.shape[1], np.uint32)
+    target = np.empty(2 * count + pairs.shape[1], np.uint32)
+    cost = np.empty(2 * count + pairs.shape[1], np.float32)
+    cosines = np.empty(2 * count + pairs.shape[1], np.float32)
     size = np.uint64(0)
     for start in range(0, count, CHUNK):  # so few that they stay in the cache
         end = min(start + CHUNK, count)
@@ -102,20 +124,14 @@ def find_steps(
             target = np.concatenate((target, np.empty(more, np.uint32)))
             cost = np.concatenate((cost, np.empty(more, np.float32)))
             cosines = np.concatenate((cosines, np.empty(more, np.float32)))
+        measure_pairs(pairs, found, xs, ys, table, rows)
         for c in range(found):
-            k, m = pairs[c, 0], pairs[c, 1]
-            i, j = steps[pairs[c, 2], 0], steps[pairs[c, 2], 1]
-            nx, ny = table[k, NX], table[k, NY]
-            mx, my = table[m, NX], table[m, NY]
-            cosine = nx * mx + ny * my
-            ex = i + table[m, OX] - table[k, OX]
-            ey = j + table[m, OY] - table[k, OY]
-            if (ex * ex + ey * ey <= 0.16) & (cosine >= DOUBLE_COSINE):
+            k, m = pairs[0, c], pairs[1, c]
+            along, across, cosine = rows[0, c], rows[1, c], np.float32(rows[3, c])
+            if (rows[2, c] <= 0.16) & (cosine >= DOUBLE_COSINE):
                 if not (double[k] or double[m]):
+                    i, j = xs[m] - xs[k], ys[m] - ys[k]
                     double[the_double(table, k, m, i, j)] = True
-            scale = 1.0 / math.sqrt(2.0 + 2.0 * cosine)
-            along = (ex * (ny + my) - ey * (nx + mx)) * scale
-            across = abs(ex * (nx + mx) + ey * (ny + my)) * scale
             source[size] = k if along > 0.0 else m
             target[size] = m if along > 0.0 else k
             cost[size] = abs(along) + across + 4.0 * (1.0 - cosine)

@@ -223,9 +223,9 @@ def gradient_levels(values: Float32Array, params: EdgeParams) -> GradientLevels:
     largest = float(values.max())
     if not largest > 0.0:
         return GradientLevels(0.0, 0.0, 0.0)
-    flat = values.ravel()
+    total, squares = _kernels.magnitude_sums(values)
     # Rounded: the sums depend a little on the order, a turned image is to have the same edges.
-    typical = _rounded(float(np.vdot(flat, flat)) / float(flat.sum()))
+    typical = _rounded(squares / total)
     share = params.noise_share
     if params.threshold_rule == "auto" and params.noise_factor > 0.0:
         share = min(share, params.high_auto / params.noise_factor)

@@ -6,11 +6,13 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geoprim_core.ecc import _kernels_refined_arcs as arcs
 from geoprim_core.ecc import _kernels_refined_clutter as clutter
 from geoprim_core.ecc import _kernels_refined_conic as conic
 from geoprim_core.ecc import _kernels_refined_ends as ends
 from geoprim_core.ecc import _kernels_refined_final as final
 from geoprim_core.ecc import _kernels_refined_fit as fit
+from geoprim_core.ecc import _kernels_refined_order as order
 from geoprim_core.ecc import _kernels_refined_outline as outline
 from geoprim_core.ecc import _kernels_refined_places as places_of
 from geoprim_core.ecc import _kernels_refined_refit as refit
@@ -63,6 +65,21 @@ def test_the_largest_root_of_a_cubic_is_found(largest, gap, other, unit):
     p, q, r = unit * largest, unit * (largest - gap), unit * (largest - gap - other)
     found = conic.largest_root(-(p + q + r), p * q + q * r + r * p, -p * q * r)
     assert abs(found - p) <= 1e-9 * unit
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.floats(-7, 7) | st.floats(-1e9, 1e9), min_size=1, max_size=9))
+def test_unit_vectors_are_those_of_the_library_to_rounding(angles):
+    angle = np.array([*angles, 0.0, np.pi, -np.pi, 0.5 * np.pi, -0.5 * np.pi])
+    expected = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    np.testing.assert_allclose(arcs.unit_vectors(angle), expected, rtol=0, atol=3e-16)
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.floats(-np.pi, np.pi) | st.sampled_from([-np.pi, 0.0, 1.0, np.pi])))
+def test_the_order_around_an_ellipse_is_that_of_a_stable_sort(angles):
+    angle = np.array(angles, float)
+    np.testing.assert_array_equal(order.order_around(angle), np.argsort(angle, kind="stable"))
 
 
 def test_points_on_a_line_have_no_ellipse():
