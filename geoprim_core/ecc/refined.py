@@ -235,8 +235,10 @@ def select(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Sele
 
     The strongest is taken first and claims the edge points on its outline; an ellipse that has
     less than a share `min_unclaimed` of its support left, or that overlaps a chosen one by more
-    than `max_overlap`, is dropped. Unlike the thesis' average (5-16), which drops about half of
-    the hypotheses whatever the image, this keeps all of them when all are right.
+    than `max_overlap`, is dropped. In a line drawing that is `max_line_overlap`: both edges of a
+    line are one curve there, and what runs beside it is another line. Unlike the thesis' average
+    (5-16), which drops about half of the hypotheses whatever the image, this keeps all of them
+    when all are right.
 
     References
     ----------
@@ -254,7 +256,7 @@ def select(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Sele
         SCORE_MAP.evidence_of(params.min_score),
         params.claim_reach,
         params.min_unclaimed,
-        params.max_overlap,
+        params.max_overlap if edges.signed else max(params.max_overlap, params.max_line_overlap),
         params.min_woven,
     )
     return Selection(chosen, tuple(OUTCOMES[k] for k in outcome))
