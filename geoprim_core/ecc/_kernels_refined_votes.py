@@ -39,6 +39,8 @@ def cast_votes(
     flat = votes.ravel()
     x0, y0 = 0.5 * (width - 1) / CELL - columns // 2, 0.5 * (height - 1) / CELL - rows // 2
     for k in range(len(points)):
+        if not (-1.0 < points[k, 0] < width and -1.0 < points[k, 1] < height):
+            continue  # of contours from elsewhere
         x, y = points[k, 0] / CELL - x0, points[k, 1] / CELL - y0
         nx, ny = normals[k, 0], normals[k, 1]
         for m in range(steps):

@@ -177,6 +177,12 @@ class RefinedParams(Params):
     max_overlap: float = option(
         0.8, "selection: largest overlap with a stronger ellipse", low=0.0, high=1.0
     )
+    max_line_overlap: float = option(
+        0.9,
+        "selection: that overlap in a line drawing, where both edges of a line are one curve",
+        low=0.0,
+        high=1.0,
+    )
     min_woven: float = option(
         0.2,
         "selection: share of an outline inside and outside a stronger one, that it so weaves "

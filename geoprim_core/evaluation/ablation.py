@@ -130,6 +130,11 @@ DEPARTURES = (
         "the two edges of a rim are one object",
     ),
     Departure(
+        "copies in line drawings dropped from overlap 0.9 (instead: 0.8)",
+        {"ecc.refined.max_line_overlap": 0.8},
+        "both edges of a line are one curve: what runs beside it is another line",
+    ),
+    Departure(
         "selection by unclaimed support",
         {"ecc.refined.min_unclaimed": 0.0},
         "an edge point supports one ellipse",

@@ -327,6 +327,14 @@ def test_ellipses_that_cross_are_no_clutter_to_each_other():
     assert hits[0] >= hits[1]
 
 
+@pytest.mark.parametrize(("drawing", "count"), [("outlines", 2), ("filled", 1)])
+def test_circles_beside_each_other_are_two_where_they_are_drawn_lines(drawing, count):
+    """Of filled ones the two edges may be those of one rim."""
+    circles = Ellipses([80, 80], [75, 75], [60, 55], [60, 55], [0, 0])
+    image = render_ellipses(circles, (160, 150), drawing=drawing, levels=[200, 120], background=40)
+    assert len(found_in(image)) == count
+
+
 def test_evidence_of_exact_arcs_is_a_number():
     """Gradients exactly along the normals once gave sums of squares that rounding made negative."""
     verified = trace_refined(strewn_arcs(50, 2000.0)).verified

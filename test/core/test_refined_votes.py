@@ -55,6 +55,16 @@ def test_points_anywhere_make_no_circle(seed):
     assert len(circles) == 0
 
 
+def test_points_outside_the_image_vote_for_nothing():
+    points, normals = scattered(5, [(60.0, 60.0, 8.0)])
+    far = np.array([[1e7, 5.0], [-1e7, 5.0], [5.0, 1e7], [5.0, -1e7], [1e300, 0.0]])
+    outside = np.repeat([[0.6, 0.8]], len(far), axis=0)
+    alone, _ = voted(points, normals)
+    more, _ = voted(np.concatenate((points, far)), np.concatenate((normals, outside)))
+    assert len(alone) > 0
+    assert np.allclose(more, alone)
+
+
 @pytest.mark.parametrize("turn", ["quarter", "mirror", "flip"])
 def test_votes_turn_and_mirror_with_the_image(turn):
     points, normals = scattered(3, [(50.3, 41.2, 6.0), (100.7, 77.9, 11.5), (30.0, 90.0, 9.0)])
