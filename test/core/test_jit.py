@@ -5,7 +5,9 @@ import platform
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+from numba.core.errors import TypingError
 
 from geoprim_core import _jit
 
@@ -37,6 +39,40 @@ def test_a_cache_that_cannot_be_written_is_passed_over():
     )
     environment = {**os.environ, "GEOPRIM_CACHE_DIR": "/dev/null/nowhere"}
     subprocess.run([sys.executable, "-c", script], env=environment, check=True)
+
+
+def test_an_inner_kernel_may_call_what_allocates_but_not_allocate():
+    @_jit.kernel
+    def doubled(x):
+        return np.sum(2.0 * np.ones(3) * x)
+
+    @_jit.inner_kernel
+    def calls(values):
+        return doubled(values[0])
+
+    @_jit.inner_kernel
+    def allocates(values):
+        return np.empty(3)[0] + values[0]
+
+    values = np.array([7.0])
+    before = sys.getrefcount(values)
+    assert [calls(values) for _ in range(3)] == [42.0] * 3
+    assert sys.getrefcount(values) == before
+    with pytest.raises(TypingError):
+        allocates(values)
+
+
+def test_a_summing_kernel_gives_the_sum_each_time():
+    @_jit.summing_kernel
+    def squares(values):
+        total = 0.0
+        for k in range(len(values)):
+            total += values[k] * values[k]
+        return total
+
+    values = np.random.default_rng(1).normal(size=1001)
+    assert abs(squares(values) - np.dot(values, values)) < 1e-9
+    assert {squares(values.copy()) for _ in range(20)} == {squares(values)}
 
 
 def test_every_kernel_has_one_specialisation():
