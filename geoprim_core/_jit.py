@@ -76,9 +76,9 @@ def kernel_files(source: Path) -> list[Path]:
 
 @cache
 def source_digest(source: Path) -> str:
-    """Return a digest of a kernel file, of what it imports, and of the versions in use."""
+    """Return a digest of a kernel file, of what it imports, of this one, and of the versions."""
     digest = hashlib.sha256(f"{numba.__version__} {sys.version} {source}".encode())
-    for file in kernel_files(source):
+    for file in (Path(__file__), *kernel_files(source)):
         digest.update(file.read_bytes())
     return digest.hexdigest()[:16]
 
@@ -89,15 +89,6 @@ def kernel(function: Function) -> Function:
     Without a writable cache folder the kernel is compiled anew in every process.
     """
     return _compiled(function)
-
-
-def lane_kernel(function: Function) -> Function:
-    """Compile like `kernel`, with sums taken in as many parts as the processor has lanes.
-
-    For sums over many numbers whose last digit does not matter: it depends on the processor. A
-    product and a sum are one rounding where it can.
-    """
-    return _compiled(function, fastmath={"contract", "reassoc"})
 
 
 def inlined_kernel(function: Function) -> Function:
@@ -119,10 +110,11 @@ def inner_kernel(function: Function) -> Function:
 
 
 def summing_kernel(function: Function) -> Function:
-    """Compile like `inner_kernel`, with sums in any order and as in `fused_kernel`.
+    """Compile like `inner_kernel`, with sums taken in as many parts as the processor has lanes.
 
-    For loops that add up: they then compile to vector instructions. The order is that of the
-    compiled code, so the same numbers have the same sum each time.
+    For sums over many numbers whose last digit does not matter: it depends on the processor. A
+    product and a sum are one rounding where it can. The order is that of the compiled code, so the
+    same numbers have the same sum each time.
     """
     return _compiled(function, fastmath={"contract", "reassoc"}, _nrt=False)
 

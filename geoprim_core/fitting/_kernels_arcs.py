@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel, lane_kernel
+from geoprim_core._jit import kernel, summing_kernel
 from geoprim_core.fitting._kernels_fit import (
     COLLINEAR,
     FEW,
@@ -39,7 +39,7 @@ def _middle_of(points: FloatArray) -> tuple[float, float]:
     return (first[0] + middle[0] + last[0]) / 3.0, (first[1] + middle[1] + last[1]) / 3.0
 
 
-@lane_kernel
+@summing_kernel
 def _mean_powers(points: FloatArray, x0: float, y0: float, mean: FloatArray) -> None:
     """Write the means of u^p v^q to (15,), in the order of `_kernels_moments`.
 
