@@ -86,13 +86,14 @@ def evidence_of(
     logarithms count for each pixel. The rest of the outline is extrapolated: the scatter, and
     what lies beyond the image, count in proportion to it. An outline that is as good as whole
     has more for it than its length, up to a weight: few curves close evenly by chance, but
-    for blobs of some pixels. In a noisy image some scatter is no misfit, and a gap in an outline
-    that is as good as whole no sign against it: what they count comes in `weights`. The other
+    for blobs of some pixels. In a noisy image some scatter along the support is no misfit, and a
+    gap in an outline that is as good as whole no sign against it: how much comes in `weights`.
+    What is extrapolated from scattered points is as doubtful whatever scatters them. The other
     weights, here and below, are those of a logistic regression.
     """
     aligned = math.log(2.0 / (rms + 0.05)) - math.log(slant + 0.03)
     misfit = math.sqrt(max(0.0, rms * rms - weights[NOISE_SCATTER] ** 2))
-    extrapolated = 16.0 * misfit / growth + 30.0 * outside
+    extrapolated = 16.0 * rms / growth + 30.0 * outside
     doubt = (1.0 - share) * extrapolated + UNEVEN * misfit / semi_minor
     whole = rising(share + weights[NOISE_GAPS], NEARLY_WHOLE[0], NEARLY_WHOLE[1])
     whole *= rising(semi_minor, ROUND_BY_CHANCE[0], ROUND_BY_CHANCE[1])
