@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ ACROSS = 0.82  # cosine of 35 degrees: an edge point turned further crosses the 
 CHUNK = 24  # places of a quarter that are looked at together
 WINDOW = 9  # pixels around a place
 GAP, COVERED_PLACE, OUTSIDE = range(3)  # what a place is
+FIRST = cast(int, np.int64(0))  # typed: numba may compile a kernel anew for a literal number
 
 # Columns of the sums that `add_support` makes.
 STEPS, IN_FRAME, COVERED, TURN, TURN_COVERED, SQUARES, TURNED, CROSSING, SUMS = range(9)
@@ -305,6 +306,6 @@ def collect(
     sums[:] = 0.0
     end = quarter_of(ellipse[2], ellipse[3], stride, walk.places)
     return add_support(
-        head, following, points, normals, ellipse, walk, 0, end, reach, min_cos, polarity, stamp,
-        mark, chosen, 0, sums,
+        head, following, points, normals, ellipse, walk, FIRST, end, reach, min_cos, polarity,
+        stamp, mark, chosen, FIRST, sums,
     )  # fmt: skip

@@ -7,6 +7,7 @@ One loop serves all three; `test` says when a segment is good enough: a bound ru
 from __future__ import annotations
 
 import math
+from typing import cast
 
 import numpy as np
 
@@ -26,6 +27,7 @@ TOLERANCE = -1  # largest deviation
 PRO = -2  # precision and reliability, s_max between any two pixels
 PRO_FIRST = -3  # s_max from the first pixel
 # Points looked at, a point of the curve, before the hulls are worth their price.
+FIRST = cast(int, np.int64(0))  # typed: numba may compile a kernel anew for a literal number
 PATIENCE = 48
 
 
@@ -137,8 +139,7 @@ def _split(
     last = stack[0]
     patience = PATIENCE * (last + 64)
     none = np.zeros((0, 5))
-    low = last - last  # not the number 0, for which there would be a compiled form of its own
-    size, low = _split_on(x, y, test, limit, kept, stack, size, low, no_hulls(), none, patience)
+    size, low = _split_on(x, y, test, limit, kept, stack, size, FIRST, no_hulls(), none, patience)
     if size > 0:
         hulls = block_hulls(x, y, last + 1)
         sums = running_moments(x, y, last + 1) if test < TOLERANCE else none
