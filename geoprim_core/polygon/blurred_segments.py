@@ -44,7 +44,7 @@ def blurred_segments(
 
     Each segment is built pixel by pixel, ahead and backwards, and most pixels are settled by the
     strip found last, so the time is that of the segments' lengths together: linear in the length of
-    a curve whose bends stay (measured exponent 1.0 to 1.1 from 10,000 to 300,000 pixels, noise or
+    a curve whose bends stay (measured exponent 1.0 to 1.14 from 10,000 to 300,000 pixels, noise or
     not), 1.26 for a wave that is scaled up, where more segments overlap, and the square of the
     number of points a pixel where a curve is sampled that densely.
 
