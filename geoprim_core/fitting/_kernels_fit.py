@@ -10,6 +10,7 @@ constraints. The map leaves y^2 the only source of v^2, so ElliFit's constraint 
 from __future__ import annotations
 
 import math
+from typing import cast
 
 import numpy as np
 
@@ -23,7 +24,8 @@ from geoprim_core.fitting._kernels_moments import (
 )
 
 OK, FEW, COLLINEAR, UNDETERMINED, HYPERBOLA, PARABOLA, IMAGINARY, INFINITE = range(8)
-NSAF, ELLIFIT = 0, 1
+# Typed: numba may compile a kernel anew for a literal number.
+NSAF, ELLIFIT = cast(int, np.int64(0)), cast(int, np.int64(1))
 
 # Whitened conics flatter than this are parabolae: an arc of a circle is from 0.03 degrees on.
 FLAT = 1e-6

@@ -9,6 +9,7 @@ through the metric P = J J' of the map J from image to whitened coordinates.
 from __future__ import annotations
 
 import math
+from typing import cast
 
 import numpy as np
 
@@ -32,7 +33,10 @@ from geoprim_core.fitting._kernels_fit import (
 )
 from geoprim_core.fitting._kernels_moments import shifted
 
-FITZGIBBON, TAUBIN, HYPER, HARKER, CHAUDHURI, RAW, LINEAR = range(7)
+# Typed: numba may compile a kernel anew for a literal number.
+FITZGIBBON, TAUBIN, HYPER, HARKER, CHAUDHURI, RAW, LINEAR = (
+    cast(int, np.int64(number)) for number in range(7)
+)
 
 _U = np.array([2, 1, 0, 1, 0, 0])  # powers of u and v in the six monomials
 _V = np.array([0, 1, 2, 0, 1, 0])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import cast
 
 import numpy as np
 
@@ -30,6 +31,7 @@ _UNCERTAIN = 11
 _ROUND = np.array([0.5, 0.0, 0.5])  # the metric of the whitened coordinates themselves
 # Monomials scaled by these turn into each other by a rotation when u and v do.
 _EVEN = np.array([1.0, math.sqrt(2.0), 1.0, 1.0, 1.0, 1.0])
+STEPS = cast(int, np.int64(100))  # typed: numba may compile a kernel anew for a literal number
 
 
 @kernel
@@ -133,4 +135,4 @@ def selective_points(
         status, ellipse, residual = fit_points_of(points, weights, NSAF)
         if status == OK and largest_gap(points, ellipse) < gap:
             return status, ellipse, residual
-    return geometric_points(points, weights, 100, np.inf)
+    return geometric_points(points, weights, STEPS, np.inf)

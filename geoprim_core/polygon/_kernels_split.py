@@ -27,7 +27,8 @@ TOLERANCE = -1  # largest deviation
 PRO = -2  # precision and reliability, s_max between any two pixels
 PRO_FIRST = -3  # s_max from the first pixel
 # Points looked at, a point of the curve, before the hulls are worth their price.
-FIRST = cast(int, np.int64(0))  # typed: numba may compile a kernel anew for a literal number
+# Typed: numba may compile a kernel anew for a literal number.
+FIRST, ONE = cast(int, np.int64(0)), cast(int, np.int64(1))
 PATIENCE = 48
 
 
@@ -143,7 +144,7 @@ def _split(
     if size > 0:
         hulls = block_hulls(x, y, last + 1)
         sums = running_moments(x, y, last + 1) if test < TOLERANCE else none
-        _split_on(x, y, test, limit, kept, stack, size, low, hulls, sums, 1)
+        _split_on(x, y, test, limit, kept, stack, size, low, hulls, sums, ONE)
 
 
 @kernel
@@ -175,7 +176,7 @@ def split_curves(
             x[:count], y[:count] = contour[:, 0], contour[:, 1]
             kept[0] = kept[count - 1] = True
             stack[0] = count - 1
-            _split(x, y, test, limit, kept, stack, 1)
+            _split(x, y, test, limit, kept, stack, ONE)
         for i in range(count):
             if kept[i - first if i >= first else i - first + count]:
                 indices[total] = i
