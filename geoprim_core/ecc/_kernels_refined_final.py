@@ -15,6 +15,7 @@ from geoprim_core.ecc._kernels_refined_refit import FAR, MAD, TUKEY, X, Y, measu
 from geoprim_core.ecc._kernels_refined_support import arcs_of_points
 
 GAP = 4.0  # pixels along the outline without support that end an arc
+NOISE_GAP = 12.0  # and that noise may leave
 TRIM = 2.5  # pixels next to a gap where what hides the outline also bends its edge
 LEAST_KEPT = 0.6  # share of the points that the trimming leaves
 LEAST_POINTS = 10
@@ -26,11 +27,11 @@ ALIGNED = 2.0  # d_0 of thesis (5-11)
 
 
 @kernel
-def support_inside(parameter: FloatArray, ellipse: FloatArray, trim: float) -> IntArray:
+def support_inside(parameter: FloatArray, ellipse: FloatArray, gap: float) -> IntArray:
     """Return the indices of supports, at sorted parameters, that do not end an arc.
 
-    Within `trim` pixels of a gap of the support another edge has drawn the points to its side. All
-    are returned when too few would be left.
+    Beside a gap of more than `gap` pixels another edge has drawn the points to its side. All are
+    returned when too few would be left.
     """
     a, b = ellipse[2], ellipse[3]
     count = len(parameter)
@@ -42,17 +43,17 @@ def support_inside(parameter: FloatArray, ellipse: FloatArray, trim: float) -> I
         steps[k] = turn * math.hypot(a * math.sin(mid), b * math.cos(mid))
     inner = np.ones(count, np.bool_)
     for k in range(count):
-        if steps[k] <= GAP:
+        if steps[k] <= gap:
             continue
         path = 0.0
         at = (k + 1) % count
-        while path < trim:
+        while path < TRIM:
             inner[at] = False
             path += steps[at]
             at = (at + 1) % count
         path = 0.0
         at = k
-        while path < trim:
+        while path < TRIM:
             inner[at] = False
             at = (at - 1) % count
             path += steps[at]
@@ -196,11 +197,12 @@ def finish(
     max_size: float,
     min_size: float,
     spread: float,
-    trim: float,
+    gap: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the selected ellipses refitted, their covariances and their saliency criteria.
 
-    `spread` is the variance of the blur that is undone, `trim` what is left out beside gaps.
+    `spread` is the variance of the blur that is undone, points beside gaps longer than `gap`
+    are left out.
     """
     arc_of = arcs_of_points(order, ends, len(points))
     tally = np.zeros(len(ends), np.int64)
@@ -217,7 +219,7 @@ def finish(
         parameter = parameters_of(moved, ellipse)
         sorting = order_around(parameter)
         parameter, moved = parameter[sorting], moved[sorting]
-        kept = support_inside(parameter, ellipse, trim)
+        kept = support_inside(parameter, ellipse, gap)
         inner = moved[kept]
         width = refit_tightly(inner, ellipse, max_size, min_size)
         rows[s] = ellipse

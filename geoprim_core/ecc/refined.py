@@ -282,7 +282,7 @@ def refit_chosen(
 
     Robust least squares of the orthogonal (Sampson) distances, after what the edge stage's blur
     has shrunk is undone (`undo_blur`), without the points beside gaps of the support, where what
-    hides the outline also bends its edge, unless noise makes the gaps (`noise_gaps`). The
+    hides the outline also bends its edge; noise may leave longer gaps (`noise_gaps`). The
     covariance follows from the scatter of the distances at low frequencies along the outline and
     the doubt about a blur of the picture itself. It holds to first order for x, y, the mean of the
     semi-axes and half their difference times the cosine and the sine of twice the angle; of a
@@ -295,6 +295,7 @@ def refit_chosen(
     """
     score = verified.score
     best = selection.chosen[np.argsort(-score[selection.chosen], kind="stable")]
+    noise = edges.noisiness if params.noise_gaps > 0.0 else 0.0
     rows, covariance, saliency = _final.finish(
         edges.points,
         arcs.indices,
@@ -306,7 +307,7 @@ def refit_chosen(
         params.max_size * edges.diagonal,
         params.min_semi_minor,
         edges.spread if params.undo_blur else 0.0,
-        _final.TRIM * (1.0 - edges.noisiness if params.noise_gaps > 0.0 else 1.0),
+        _final.GAP + (_final.NOISE_GAP - _final.GAP) * noise,
     )
     return EllipseDetections(
         Ellipses.from_array(rows),

@@ -53,10 +53,17 @@ def test_five_points_and_fewer_determine_no_covariance():
 
 
 def test_points_beside_a_gap_are_left_out_and_a_whole_outline_is_kept():
-    assert len(final.support_inside(TURN, DISC, final.TRIM)) == 400
+    assert len(final.support_inside(TURN, DISC, final.GAP)) == 400
     half = TURN[TURN < 0]
-    assert len(final.support_inside(half, DISC, 0.0)) == len(half)
-    kept = half[final.support_inside(half, DISC, final.TRIM)]
+    assert len(final.support_inside(half, DISC, 40 * np.pi + 1)) == len(half)
+    kept = half[final.support_inside(half, DISC, final.GAP)]
     lost = 40 * np.array([kept[0] - half[0], half[-1] - kept[-1]])
     step = 40 * (TURN[1] - TURN[0])
     assert np.all(lost >= final.TRIM - step) and np.all(lost <= final.TRIM + step)
+
+
+def test_noise_may_leave_gaps_that_end_no_arc():
+    step = TURN[1] - TURN[0]
+    ten = TURN[: -int(10 / (40 * step))]
+    assert len(final.support_inside(ten, DISC, final.NOISE_GAP)) == len(ten)
+    assert len(final.support_inside(ten, DISC, final.GAP)) < len(ten)
