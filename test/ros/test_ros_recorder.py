@@ -22,12 +22,14 @@ def words(*texts):
 
 
 def wait_for_recorder(graph, node, *topics):
-    """Wait until the recorder has met the publishers of some topics; they may meet it before."""
+    """Wait until the recorder has met the publishers of some topics, and they have met it."""
     said = graph.collect(node, DiagnosticArray, "/diagnostics", 50)
 
     def met(topic):
         pairs = {p.key: p.value for s in (said[-1].status if said else ()) for p in s.values}
-        return pairs.get(f"publishers of {topic}", "0") != "0"
+        own = [p for p in node.publishers if p.topic_name == topic]
+        heard = all(p.get_subscription_count() for p in own)
+        return heard and pairs.get(f"publishers of {topic}", "0") != "0"
 
     graph.spin_until(lambda: all(met(topic) for topic in topics), what=f"publishers of {topics}")
 
