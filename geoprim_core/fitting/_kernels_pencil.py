@@ -175,8 +175,8 @@ def _linear(m: FloatArray) -> FloatArray:
 
     The first is about the mean of the points. One without a centre is returned as it is.
     """
-    conic = np.zeros(6)
-    conic[:5], conic[5] = _level(scatter_of(m)[:5, :5].copy(), scatter_of(m)[5, :5].copy())
+    conic, scatter = np.zeros(6), scatter_of(m)
+    conic[:5], conic[5] = _level(scatter[:5, :5].copy(), scatter[5, :5].copy())
     a, b, c, d, f = conic[0], conic[1], conic[2], conic[3], conic[4]
     det = 4.0 * a * c - b * b
     if conic[5] == 0.0 or abs(det) <= FLAT * (a * a + b * b + c * c):
