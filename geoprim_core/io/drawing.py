@@ -52,7 +52,8 @@ def draw_overlay(
     params : OverlayParams, optional
         What is written, and the scale of the colours.
     labels : bool
-        False: outlines only, no text and no legend.
+        False: outlines only, no text and no legend. Without ellipses and detections, which it
+        tells of, there is no legend anyway.
     scheme : str
         A line of the legend, what found the ellipses; `params.title` takes its place.
     caption : str
@@ -91,7 +92,7 @@ def draw_overlay(
     _draw_outlines(page, outlines, shown, params)
     if caption:
         draw_caption(page, caption)
-    if labels:
+    if labels and not (ellipses is None and detections is None):
         _draw_legend(page, outlines, shown, params, scheme)
         _write_texts(page, outlines, shown, params)
     return canvas

@@ -100,6 +100,14 @@ def test_better_scores_are_lighter_on_the_picture():
     assert (np.diff(light) > 10).all()
 
 
+def test_a_picture_of_contours_and_polygons_has_no_legend_of_ellipses():
+    square = Contours([(40, 40), (60, 40), (60, 60), (40, 60)], [0, 4], [True])
+    polygon = Polygons([0, 1, 2, 3], [0, 4], [True])
+    overlay = draw_overlay(np.zeros((200, 300), np.uint8), square, polygon)
+    y, x = np.nonzero(overlay.any(axis=2))
+    assert x.min() >= 36 and x.max() <= 64 and y.min() >= 36 and y.max() <= 64
+
+
 def test_the_legend_lies_where_nothing_is_drawn_and_can_be_left_out():
     ground = np.full((300, 400), 90, np.uint8)
     one = found([[100, 220, 60, 40, 0]], 0.9)  # bottom left
