@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import argparse
+import os
+import sys
 import time
 
+from tqdm import tqdm
+
 from geoprim_core._jit import cache_base
+from geoprim_core.warm import PARTS, warm_kernels
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the command: it has none."""
+    """Add the arguments of the command."""
+    parser.add_argument(
+        "--processes", type=int, default=os.cpu_count() or 1, help="at a time (all processors)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run every scheme and method once on a small scene."""
-    from geoprim_core.warm import warm_kernels
-
     start = time.perf_counter()
-    warm_kernels()
+    with tqdm(total=len(PARTS), unit="part", file=sys.stderr, leave=False) as bar:
+        warm_kernels(processes=arguments.processes, step=lambda name: bar.update())
     where = cache_base() or "nowhere: the cache folder cannot be written"
     print(f"kernels ready after {time.perf_counter() - start:.1f} s, kept in {where}")
     return 0
