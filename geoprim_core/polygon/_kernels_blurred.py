@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import cast
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from geoprim_core.polygon._kernels import deviation_bound_of
 # farthest out on either side of the strip, and for each axis two pairs of points (see `_strip`).
 AXIS, TOP, BOTTOM, PAIRS = 0, 1, 2, 3
 UNKNOWN = -1
+ZERO = cast(int, np.int64(0))  # typed: numba may compile a kernel anew for a literal number
 
 
 @kernel
@@ -128,8 +130,8 @@ def maximal_blurred_segments(
     for i in range(end):
         rounds[0, i], rounds[1, i] = points[i % count, 0], points[i % count, 1]
     state, trial, slope = np.empty(PAIRS + 8, np.int64), np.empty(PAIRS + 8, np.int64), np.empty(1)
-    _begin(state, slope, 0)
-    first, last, kept, emitted = 0, 0, 0, False
+    _begin(state, slope, ZERO)
+    first, last, kept, emitted = ZERO, ZERO, ZERO, False
     while last + 1 < end:
         if closed and last - first + 1 >= count:
             return found[:0], True
