@@ -24,28 +24,6 @@ def exceeds(values: Any, limit: Any) -> Any:
     return count
 
 
-@summing_kernel
-def row_sums(row: Any) -> Any:
-    """Return the sum of the magnitudes of a row and that of their squares."""
-    total = squares = 0.0
-    for x in range(len(row)):
-        value = np.float64(row[x])
-        total += value
-        squares += value * value
-    return total, squares
-
-
-@kernel
-def magnitude_sums(values: Any) -> Any:
-    """Return the sum of magnitudes (H, W) and that of their squares."""
-    total = squares = 0.0
-    for y in range(len(values)):
-        plain, square = row_sums(values[y])
-        total += plain
-        squares += square
-    return total, squares
-
-
 @kernel
 def median_magnitude(values: Any, largest: Any, least: Any) -> Any:
     """Return the median of magnitudes in [0, largest], or 0 where it is below `least`.
