@@ -10,7 +10,7 @@ import numpy as np
 from geoprim_core._jit import inner_kernel, kernel, summing_kernel
 
 HISTOGRAM_BINS = 4096
-BLOCK = 64  # pixels of a row
+BLOCK = 128  # pixels of a row
 WEAK, STRONG = 1, 2
 
 
@@ -92,19 +92,22 @@ def suppress_run(
         left, here, right = level[x], level[x + 1], level[x + 2]
         upper_left, upper, upper_right = above[x], above[x + 1], above[x + 2]
         lower_left, lower, lower_right = below[x], below[x + 1], below[x + 2]
-        flat = abs(gx) >= abs(gy)
-        major = abs(gx) if flat else abs(gy)
-        minor = abs(gy) if flat else abs(gx)
+        wide, tall = abs(gx), abs(gy)
+        flat = wide >= tall
+        major = wide if wide > tall else tall
+        minor = wide if wide < tall else tall
         lead = gx if flat else gy
         same = (gx >= zero) == (gy >= zero)
-        side_1 = right if flat else lower
-        side_2 = left if flat else upper
-        rising, falling = upper_right if flat else lower_left, lower_left if flat else upper_right
-        corner_1 = lower_right if same else rising
-        corner_2 = upper_left if same else falling
+        east, west, south, north = here - right, here - left, here - lower, here - upper
+        side_1 = east if flat else south
+        side_2 = west if flat else north
+        eastern = lower_right if same else upper_right
+        western = upper_left if same else lower_left
+        corner_1 = eastern if flat | same else western
+        corner_2 = western if flat | same else eastern
         # Differences first: equal neighbours then give an exact zero.
-        rise_1 = (major - minor) * (here - side_1) + minor * (here - corner_1)
-        rise_2 = (major - minor) * (here - side_2) + minor * (here - corner_2)
+        rise_1 = (major - minor) * side_1 + minor * (here - corner_1)
+        rise_2 = (major - minor) * side_2 + minor * (here - corner_2)
         up = rise_1 if lead > zero else rise_2
         down = rise_2 if lead > zero else rise_1
         peak = (up > zero) & (down >= zero)
