@@ -83,7 +83,9 @@ def integers(value: object, argument: str) -> IntArray:
     array = np.asarray(value)
     if array.size == 0:
         return np.zeros(0, np.int64)
-    if array.ndim != 1 or array.dtype.kind not in "iuf" or not (array == np.floor(array)).all():
+    kind = array.dtype.kind
+    whole = kind in "iu" or (kind == "f" and bool((array == np.floor(array)).all()))
+    if array.ndim != 1 or not whole:
         raise InputError(argument, "a flat array of whole numbers", describe(value))
     return np.ascontiguousarray(array, dtype=np.int64)
 

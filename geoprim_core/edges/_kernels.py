@@ -46,27 +46,13 @@ def median_magnitude(values: Any, largest: Any, least: Any) -> Any:
         for x in range(width):
             bins[x] = np.int32(math.sqrt(row[x]) * scale)
         for x in range(width):  # two tables: neighbours often fall in the same bin
-            counts[x & 1, bins[x]] += 1
+            counts[np.uint64(x & 1), np.uint64(bins[x])] += 1
     below = 0
     for k in range(HISTOGRAM_BINS):
         below += counts[0, k] + counts[1, k]
         if 2 * below >= values.size:
             return ((k + 0.5) / scale) ** 2 if k else 0.0
     return largest
-
-
-@kernel
-def checkers(levels: Any, out: Any) -> None:
-    """Write the magnitude of second differences along and across (H - 2, W - 2) of an image.
-
-    Straight edges along either axis and smooth shading give zero, noise does not.
-    """
-    for y in range(len(out)):
-        above, level, below, row = levels[y], levels[y + 1], levels[y + 2], out[y]
-        for x in range(len(row)):
-            corners = (above[x] + above[x + 2]) + (below[x] + below[x + 2])
-            sides = (above[x + 1] + below[x + 1]) + (level[x] + level[x + 2])
-            row[x] = abs(corners - (sides + sides) + np.float32(4.0) * level[x + 1])
 
 
 @inner_kernel

@@ -1,4 +1,4 @@
-"""Kernel of the gradient: blur, Sobel, strongest channel, row by row through the cache."""
+"""Kernels that read an image row by row through the cache: its gradient, its second differences."""
 
 from __future__ import annotations
 
@@ -246,3 +246,46 @@ def gradient(
         octets, levels, half, scale, lines, short, line, ring, smooth, crest, dx, dy, values
     )
     return crest.max(), total, squares
+
+
+@inner_kernel
+def write_checkers(
+    octets: Any, levels: Any, middle: Any, lines: Any, ring: Any, crest: Any, out: Any
+) -> None:
+    """Do what `checkers` does, with room for a few rows, and write the largest of each column."""
+    height, width = len(out) + 2, ring.shape[1]
+    for y in range(height):
+        line = ring[y % 3]
+        if octets.shape[0] > 0:
+            load_octets(octets[y], lines, 0)
+            octet = lines[middle]
+            for x in range(width):
+                line[x] = octet[x]
+        else:
+            step = levels.shape[1] // width
+            for x in range(width):
+                line[x] = levels[y, step * x + middle]
+        if y < 2:
+            continue
+        above, level, below, row = ring[(y - 2) % 3], ring[(y - 1) % 3], line, out[y - 2]
+        for x in range(len(row)):
+            corners = (above[x] + above[x + 2]) + (below[x] + below[x + 2])
+            sides = (above[x + 1] + below[x + 1]) + (level[x] + level[x + 2])
+            value = abs(corners - (sides + sides) + np.float32(4.0) * level[x + 1])
+            row[x] = value
+            crest[x] = value if value > crest[x] else crest[x]
+
+
+@kernel
+def checkers(octets: Any, levels: Any, channels: Any, out: Any) -> Any:
+    """Write the magnitude of second differences along and across (H - 2, W - 2) of an image.
+
+    Straight edges along either axis and smooth shading give zero, noise does not. The image is
+    that of `gradient`; of three channels the second counts. The largest difference is returned.
+    """
+    width = out.shape[1] + 2
+    lines = np.empty((channels, width), np.uint8)
+    ring = np.empty((3, width), np.float32)
+    crest = np.zeros(width - 2, np.float32)
+    write_checkers(octets, levels, channels // 2, lines, ring, crest, out)
+    return crest.max()

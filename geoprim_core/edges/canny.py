@@ -118,9 +118,14 @@ def image_gradient(image: AnyArray, params: EdgeParams) -> Gradient:
     With `colour` "strongest" that of a colour image is, pixel by pixel, the gradient of the
     channel where it is largest: red fruit on a belt of the same grey has an outline.
     """
+    return gradient(_channels(image, params), params.sigma)
+
+
+def _channels(image: AnyArray, params: EdgeParams) -> AnyArray:
+    """Return the image whose gradient is taken, uint8 or float32: in colours or grey."""
     if image.ndim == 2 or params.colour == "gray" or params.equalise:
-        return gradient(to_gray(image, equalise=params.equalise), params.sigma)
-    return gradient(image if image.dtype == np.uint8 else _stretched(image[:, :, :3]), params.sigma)
+        return to_gray(image, equalise=params.equalise)
+    return image if image.dtype == np.uint8 else _stretched(image[:, :, :3])
 
 
 def steady_gradient(
@@ -159,12 +164,16 @@ def _noise_share(image: AnyArray, levels: GradientLevels, params: EdgeParams) ->
     if params.noise_sigma <= params.sigma or levels.noise <= least or min(image.shape[:2]) < 3:
         return 0.0
     effect = 1.0 / (math.sqrt(8.0 * math.pi) * (params.sigma**2 + _SOBEL_VARIANCE))
-    single = effect * pixel_noise(_one_channel(image, params))
+    single = effect * pixel_noise(_channels(image, params))
     return min(levels.noise, single) / levels.typical
 
 
-def pixel_noise(levels: AnyArray) -> float:
-    """Return the standard deviation of the noise of a channel (H, W), H, W >= 3.
+def pixel_noise(image: AnyArray) -> float:
+    """Return the standard deviation of the noise of an image, of colours in the middle one, green.
+
+    Parameters
+    ----------
+    image : (H, W), (H, W, 3) or (H, W, 4) uint8 or float, H, W >= 3
 
     Examples
     --------
@@ -172,21 +181,22 @@ def pixel_noise(levels: AnyArray) -> float:
     >>> 4.8 < pixel_noise(noise) < 5.2
     True
     """
-    height, width = levels.shape
+    height, width = image.shape[:2]
     differences = np.empty((height - 2, width - 2), np.float32)
-    _kernels.checkers(np.ascontiguousarray(levels, np.float32), differences)
-    largest = float(differences.max())
+    largest = float(_kernels_gradient.checkers(*_rows(image), differences))
     if not largest > 0.0:
         return 0.0
     median = float(_kernels.median_magnitude(differences, largest, 0.0))
     return median / (_NORMAL_MEDIAN * 6.0)  # the root of the weights' sum of squares
 
 
-def _one_channel(image: AnyArray, params: EdgeParams) -> AnyArray:
-    """Return the channel that tells the noise: of colours the middle one, green."""
-    if image.ndim == 2 or params.colour == "gray" or params.equalise:
-        return to_gray(image, equalise=params.equalise)
-    return (image if image.dtype == np.uint8 else _stretched(image[:, :, :3]))[:, :, 1]
+def _rows(image: AnyArray) -> tuple[AnyArray, AnyArray, int]:
+    """Return an image (H, W * C) as octets or as levels, the other one empty; how many channels."""
+    rows = np.ascontiguousarray(image).reshape(len(image), -1)
+    channels = 1 if image.ndim == 2 else 3
+    if rows.dtype == np.uint8:
+        return rows, _NO_LEVELS, channels
+    return _NO_OCTETS, rows.astype(np.float32, copy=False), channels
 
 
 def gradient(image: AnyArray, sigma: float) -> Gradient:
@@ -199,16 +209,11 @@ def gradient(image: AnyArray, sigma: float) -> Gradient:
     ----------
     image : (H, W), (H, W, 3) or (H, W, 4) uint8 or float32
     """
-    rows = np.ascontiguousarray(image).reshape(len(image), -1)
-    octets, levels = (rows, _NO_LEVELS) if rows.dtype == np.uint8 else (_NO_OCTETS, rows)
-    channels = 1 if image.ndim == 2 else 3
     half = _half_of_weights(sigma)
     scale = np.float32(1.0 / (8.0 * _KERNEL_SUM**2))
     # Made here, not in the kernel: numpy asks the system for large pages.
     dx, dy, values = (np.empty(image.shape[:2], np.float32) for _ in range(3))
-    largest, total, squares = _kernels_gradient.gradient(
-        octets, levels, channels, half, scale, dx, dy, values
-    )
+    largest, total, squares = _kernels_gradient.gradient(*_rows(image), half, scale, dx, dy, values)
     # Rounded: the sums depend a little on the order, a turned image is to have the same edges.
     typical = _rounded(squares / total) if largest > 0.0 else 0.0
     return dx, dy, values, (float(largest), typical)
