@@ -96,7 +96,7 @@ def offsets(value: object, total: int, argument: str = "offsets") -> IntArray:
     expected = f"offsets that start at 0, never decrease and end at {total}"
     if array.size == 0:
         raise InputError(argument, expected, "no offsets at all")
-    if array[0] != 0 or array[-1] != total or (np.diff(array) < 0).any():
+    if array[0] != 0 or array[-1] != total or (array[1:] < array[:-1]).any():
         raise InputError(argument, expected, f"{array[:4].tolist()} ... {array[-1]}")
     return array
 

@@ -224,7 +224,7 @@ def rings_left(before: Any, after: Any, seen: Any) -> Any:
 def write_contours(
     cell: Any, fine: Any, tilt: Any, order: Any, starts: Any, stops: Any, min_length: Any
 ) -> Any:
-    """Return the chains that are long enough: pixels, sub-pixel points, angles, ends, closed."""
+    """Return the chains that are long enough: pixels, sub-pixel points, angles, offsets, closed."""
     total = 0
     curves = 0
     for c in range(len(starts)):
@@ -235,7 +235,7 @@ def write_contours(
     points = np.empty((total, 2), np.float64)
     places = np.empty((total, 2), np.float64)
     angles = np.empty(total, np.float64)
-    ends = np.empty(curves, np.int64)
+    offsets = np.zeros(curves + 1, np.int64)
     closed = np.empty(curves, np.bool_)
     size = 0
     for c in range(curves):
@@ -251,13 +251,13 @@ def write_contours(
                 places[size, 1] = fine[k, 1]
                 angles[size] = tilt[k]
                 size += 1
-        ends[c] = size
-    return points, places, angles, ends, closed
+        offsets[c + 1] = size
+    return points, places, angles, offsets, closed
 
 
 @kernel
 def walk(xs: Any, ys: Any, table: Any, angle: Any, before: Any, after: Any, min_length: Any) -> Any:
-    """Return the contours that the links make: pixels, sub-pixel points, angles, ends, closed.
+    """Return the contours that the links make: pixels, sub-pixel points, angles, offsets, closed.
 
     Where a link leaps over a pixel, the pixel nearest to its middle is put in. A closed contour
     begins with its far end, not with the pixel that comes first in the image. `min_length` is at
