@@ -31,12 +31,17 @@ def touch(cell: Any, i: Any, j: Any) -> Any:
 
 
 @inner_kernel
-def goes_first(cell: Any, tilt: Any, far: Any, k: Any, m: Any) -> Any:
-    """Return whether of two corner pixels k goes: it is farther from the edge, or darker."""
-    if far[k] != far[m]:
-        return far[k] > far[m]
-    brighter = (cell[k, 0] - cell[m, 0]) * (math.cos(tilt[k]) + math.cos(tilt[m]))
-    brighter += (cell[k, 1] - cell[m, 1]) * (math.sin(tilt[k]) + math.sin(tilt[m]))
+def distance(offset: Any, k: Any) -> Any:
+    """Return the squared distance of a pixel from the edge; it is exact."""
+    return offset[k, 0] * offset[k, 0] + offset[k, 1] * offset[k, 1]
+
+
+@inner_kernel
+def is_darker(cell: Any, tilt: Any, k: Any, m: Any) -> Any:
+    """Return whether pixel k lies on the darker side of m, or across the gradient before it."""
+    here, there = np.float64(tilt[k]), np.float64(tilt[m])
+    brighter = (cell[k, 0] - cell[m, 0]) * (math.cos(here) + math.cos(there))
+    brighter += (cell[k, 1] - cell[m, 1]) * (math.sin(here) + math.sin(there))
     return brighter < 0.0 or (brighter == 0.0 and k < m)
 
 
@@ -77,20 +82,22 @@ def mark_corners(
 
 
 @inner_kernel
-def settle_corners(cell: Any, tilt: Any, far: Any, order: Any, corners: Any, state: Any) -> None:
-    """Set the state of the corners to `GOES` that go before those beside them do."""
+def settle_corners(cell: Any, tilt: Any, offset: Any, order: Any, corners: Any, state: Any) -> None:
+    """Set the state of the corners to `GOES` that go before those beside them do.
+
+    Of two it is the one farther from the edge or, in a tie, the darker one.
+    """
     for j in corners:
         k, m, n = order[j], order[j - np.uint32(1)], order[j + np.uint32(1)]
-        before = state[j - np.uint32(1)] == LEAN
-        after = state[j + np.uint32(1)] == LEAN
-        tie = (far[k] == far[m]) & (not before) | (far[k] == far[n]) & (not after)
-        if tie:
-            before = before or goes_first(cell, tilt, far, k, m)
-            after = after or goes_first(cell, tilt, far, k, n)
-        else:
-            before |= far[k] > far[m]
-            after |= far[k] > far[n]
-        state[j] = GOES if before & after else CORNER
+        alone_m = state[j - np.uint32(1)] == LEAN
+        alone_n = state[j + np.uint32(1)] == LEAN
+        far, far_m, far_n = distance(offset, k), distance(offset, m), distance(offset, n)
+        wins_m, wins_n = alone_m | (far > far_m), alone_n | (far > far_n)
+        if (far == far_m) & (not alone_m):
+            wins_m = is_darker(cell, tilt, k, m)
+        if (far == far_n) & (not alone_n):
+            wins_n = is_darker(cell, tilt, k, n)
+        state[j] = GOES if wins_m & wins_n else CORNER
 
 
 @inner_kernel
@@ -109,7 +116,7 @@ def drop_corners(order: Any, state: Any, rank: Any, starts: Any, stops: Any) -> 
 
 @kernel
 def straighten(
-    cell: Any, tilt: Any, far: Any, order: Any, starts: Any, stops: Any, rings: Any
+    cell: Any, tilt: Any, offset: Any, order: Any, starts: Any, stops: Any, rings: Any
 ) -> None:
     """Take the corner pixels out of the stairs of all chains, in place.
 
@@ -126,7 +133,7 @@ def straighten(
         found = mark_corners(cell, order[:size], starts, stops, rings, state, corners)
         if found == 0:
             break
-        settle_corners(cell, tilt, far, order[:size], corners[:found], state)
+        settle_corners(cell, tilt, offset, order[:size], corners[:found], state)
         for c in range(rings, len(starts)):
             state[starts[c] - 1] = LEAN
             state[stops[c]] = LEAN
@@ -134,7 +141,7 @@ def straighten(
 
 
 @inner_kernel
-def far_end(cell: Any, fine: Any, order: Any) -> Any:
+def far_end(cell: Any, offset: Any, order: Any) -> Any:
     """Return the place of the point of a closed contour that is farthest from the mean of all."""
     count = len(order)
     first, last = order[0], order[count - 1]
@@ -142,12 +149,14 @@ def far_end(cell: Any, fine: Any, order: Any) -> Any:
         return 0  # ends that share a pixel stay ends
     x = y = 0.0
     for k in order:
-        x += fine[k, 0]
-        y += fine[k, 1]
+        x += cell[k, 0] + offset[k, 0]
+        y += cell[k, 1] + offset[k, 1]
     most = -1.0
     start = 0
     for j in range(count):  # all but the squares is exact: the positions are whole 256ths
-        dx, dy = count * fine[order[j], 0] - x, count * fine[order[j], 1] - y
+        k = order[j]
+        dx = count * (cell[k, 0] + offset[k, 0]) - x
+        dy = count * (cell[k, 1] + offset[k, 1]) - y
         if dx * dx + dy * dy > most:
             most = dx * dx + dy * dy
             start = j
@@ -162,7 +171,7 @@ def leaps(xs: Any, ys: Any, k: Any, m: Any) -> Any:
 
 
 @inner_kernel
-def put_between(xs: Any, ys: Any, table: Any, k: Any, m: Any, cell: Any, fine: Any) -> Any:
+def put_between(xs: Any, ys: Any, table: Any, k: Any, m: Any, cell: Any, offset: Any) -> Any:
     """Write the pixel nearest to the middle of a leap and return its gradient angle.
 
     In a tie it is the pixel on the brighter side. The middle is rounded to an even number of
@@ -172,12 +181,13 @@ def put_between(xs: Any, ys: Any, table: Any, k: Any, m: Any, cell: Any, fine: A
         k_at = xs[k] if c == 0 else ys[k]
         m_at = xs[m] if c == 0 else ys[m]
         middle = 0.5 * (k_at + table[k, OX + c] + m_at + table[m, OX + c])
-        fine[c] = (middle * SUBPIXEL_STEPS + ROUNDING - ROUNDING) / SUBPIXEL_STEPS
-        nearest = math.floor(fine[c] + 0.5)
-        if nearest - fine[c] == 0.5 and table[k, NX + c] + table[m, NX + c] < 0.0:
+        fine = (middle * SUBPIXEL_STEPS + ROUNDING - ROUNDING) / SUBPIXEL_STEPS
+        nearest = math.floor(fine + 0.5)
+        if nearest - fine == 0.5 and table[k, NX + c] + table[m, NX + c] < 0.0:
             nearest -= 1.0
         low, high = max(k_at, m_at) - 1, min(k_at, m_at) + 1
         cell[c] = min(max(nearest, low), high)
+        offset[c] = fine - cell[c]
     return direction(table[k, NX] + table[m, NX], table[k, NY] + table[m, NY])
 
 
@@ -222,7 +232,7 @@ def rings_left(before: Any, after: Any, seen: Any) -> Any:
 
 @kernel
 def write_contours(
-    cell: Any, fine: Any, tilt: Any, order: Any, starts: Any, stops: Any, min_length: Any
+    cell: Any, offset: Any, tilt: Any, order: Any, starts: Any, stops: Any, min_length: Any
 ) -> Any:
     """Return the chains that are long enough: pixels, sub-pixel points, angles, offsets, closed."""
     total = 0
@@ -241,14 +251,14 @@ def write_contours(
     for c in range(curves):
         first, last = starts[c], stops[c]
         closed[c] = touch(cell, order[last - 1], order[first])
-        middle = first + (far_end(cell, fine, order[first:last]) if closed[c] else 0)
+        middle = first + (far_end(cell, offset, order[first:last]) if closed[c] else 0)
         for begin, end in ((middle, last), (first, middle)):
             for j in range(begin, end):
                 k = order[np.uint64(j)]
                 points[size, 0] = cell[k, 0]
                 points[size, 1] = cell[k, 1]
-                places[size, 0] = fine[k, 0]
-                places[size, 1] = fine[k, 1]
+                places[size, 0] = cell[k, 0] + offset[k, 0]
+                places[size, 1] = cell[k, 1] + offset[k, 1]
                 angles[size] = tilt[k]
                 size += 1
         offsets[c + 1] = size
@@ -268,14 +278,13 @@ def walk(xs: Any, ys: Any, table: Any, angle: Any, before: Any, after: Any, min_
     # A pixel amidst each link, and a place beside each end: what is not written takes no memory.
     room = 3 * count + 1
     cell = np.empty((room, 2), np.int32)
-    fine = np.empty((room, 2), np.float64)
-    tilt = np.empty(room, np.float64)
-    far = np.empty(room, np.float32)
+    offset = np.empty((room, 2), np.float32)
+    tilt = np.empty(room, np.float32)
     order = np.empty(room, np.uint32)
     starts = np.empty(count, np.int64)
     stops = np.empty(count, np.int64)
     cell[NOWHERE, 0] = cell[NOWHERE, 1] = -9
-    far[NOWHERE] = 0.0
+    offset[NOWHERE, 0] = offset[NOWHERE, 1] = 0.0
     size = curves = rings = 0
     k: Any
     for ring in range(2):  # open chains from their heads, then what is left: the rings
@@ -295,18 +304,14 @@ def walk(xs: Any, ys: Any, table: Any, angle: Any, before: Any, after: Any, min_
                 seen[k] = True
                 cell[size, 0] = xs[k]
                 cell[size, 1] = ys[k]
-                fine[size, 0] = xs[k] + table[k, OX]
-                fine[size, 1] = ys[k] + table[k, OY]
-                far[size] = table[k, OX] * table[k, OX] + table[k, OY] * table[k, OY]
+                offset[size, 0] = table[k, OX]
+                offset[size, 1] = table[k, OY]
                 tilt[size] = angle[k]
                 order[size] = size
                 size += 1
                 m = after[k]
                 if leaps(xs, ys, k, m):
-                    middle = put_between(xs, ys, table, k, m, cell[size], fine[size])
-                    tilt[size] = np.float32(middle)
-                    x, y = fine[size, 0] - cell[size, 0], fine[size, 1] - cell[size, 1]
-                    far[size] = x * x + y * y
+                    tilt[size] = put_between(xs, ys, table, k, m, cell[size], offset[size])
                     order[size] = size
                     size += 1
                 k = m
@@ -320,5 +325,5 @@ def walk(xs: Any, ys: Any, table: Any, angle: Any, before: Any, after: Any, min_
             stops[curves] = size
             curves += 1
             size += 1
-    straighten(cell, tilt, far, order[:size], starts[:curves], stops[:curves], rings)
-    return write_contours(cell, fine, tilt, order, starts[:curves], stops[:curves], min_length)
+    straighten(cell, tilt, offset, order[:size], starts[:curves], stops[:curves], rings)
+    return write_contours(cell, offset, tilt, order, starts[:curves], stops[:curves], min_length)
