@@ -167,7 +167,8 @@ def chain(source: Any, target: Any, cost: Any, cosine: Any, double: Any, limits:
     for k in range(count):
         before[k] = APART if double[k] else UNLINKED
     after = before.copy()
-    best_after = np.full(count, len(source), np.uint32)  # best open step from a pixel
+    none = np.uint32(len(source))
+    best_after = np.full(count, none, np.uint32)  # best open step from a pixel
     best_before = best_after.copy()
     waiting = np.empty(len(source), np.uint32)
     for limit in limits:
@@ -183,16 +184,25 @@ def chain(source: Any, target: Any, cost: Any, cosine: Any, double: Any, limits:
                 best_after[first] = p if cost[p] < cost[best] else best
                 best = best_before[second]
                 best_before[second] = p if cost[p] < cost[best] else best
-            for p in waiting[:size]:
-                first, second = source[p], target[p]
-                both = (best_after[first] == p) & (best_before[second] == p)
-                after[first] = second if both else after[first]
-                before[second] = first if both else before[second]
+            if size > count // 2:  # the first round: there are fewer pixels than steps
+                for k in range(count):
+                    p = best_after[k]
+                    second = target[p if p < none else 0]
+                    both = (p < none) & (best_before[second] == p)
+                    after[k] = second if both else after[k]
+                    place = second if both else k
+                    before[place] = k if both else before[place]
+            else:
+                for p in waiting[:size]:
+                    first, second = source[p], target[p]
+                    both = (best_after[first] == p) & (best_before[second] == p)
+                    after[first] = second if both else after[first]
+                    before[second] = first if both else before[second]
             kept = np.uint64(0)
             for p in waiting[:size]:
                 first, second = source[p], target[p]
-                best_after[first] = len(source)
-                best_before[second] = len(source)
+                best_after[first] = none
+                best_before[second] = none
                 waiting[kept] = p
                 free = (after[first] == UNLINKED) & (before[second] == UNLINKED)
                 kept += np.uint64(free)
