@@ -154,18 +154,21 @@ def hysteresis(state: Any, peaks: Any) -> Any:
     for peak in peaks:
         weak[size] = peak
         size += np.uint64(flat[peak] == WEAK)
-    for _ in range(2):  # onwards and back without branches: that settles most of them
-        kept = np.uint64(0)
-        for k in range(np.int64(size)):
-            peak = weak[k]
-            flat[peak] |= around(flat, np.int64(peak), width) & STRONG
-            weak[kept] = peak
-            kept += np.uint64(flat[peak] == WEAK)
-        size = kept
-        weak[:size] = weak[:size][::-1].copy()
+    # Onwards and back without branches: that settles most of them.
+    kept = np.uint64(0)
+    for peak in weak[:size]:
+        flat[peak] |= around(flat, np.int64(peak), width) & STRONG
+        weak[kept] = peak
+        kept += np.uint64(flat[peak] == WEAK)
+    last = np.int64(kept)
+    first = last
+    for k in range(last - 1, -1, -1):
+        peak = weak[np.uint64(k)]
+        flat[peak] |= around(flat, np.int64(peak), width) & STRONG
+        weak[np.uint64(first - 1)] = peak
+        first -= np.int64(flat[peak] == WEAK)
     stack = np.empty(1024, np.int32)
-    for k in range(np.int64(size)):
-        peak = weak[k]
+    for peak in weak[first:last]:
         if flat[peak] != WEAK or around(flat, np.int64(peak), width) & STRONG == 0:
             continue
         flat[peak] = STRONG
