@@ -83,7 +83,9 @@ def integers(value: object, argument: str) -> IntArray:
     array = np.asarray(value)
     if array.size == 0:
         return np.zeros(0, np.int64)
-    if array.ndim != 1 or array.dtype.kind not in "iuf" or not (array == np.floor(array)).all():
+    kind = array.dtype.kind
+    whole = kind in "iu" or (kind == "f" and bool((array == np.floor(array)).all()))
+    if array.ndim != 1 or not whole:
         raise InputError(argument, "a flat array of whole numbers", describe(value))
     return np.ascontiguousarray(array, dtype=np.int64)
 
@@ -94,7 +96,7 @@ def offsets(value: object, total: int, argument: str = "offsets") -> IntArray:
     expected = f"offsets that start at 0, never decrease and end at {total}"
     if array.size == 0:
         raise InputError(argument, expected, "no offsets at all")
-    if array[0] != 0 or array[-1] != total or (np.diff(array) < 0).any():
+    if array[0] != 0 or array[-1] != total or (array[1:] < array[:-1]).any():
         raise InputError(argument, expected, f"{array[:4].tolist()} ... {array[-1]}")
     return array
 

@@ -10,7 +10,7 @@ import numpy as np
 from geoprim_core._jit import inner_kernel, kernel, summing_kernel
 
 HISTOGRAM_BINS = 4096
-BLOCK = 64  # pixels of a row
+BLOCK = 128  # pixels of a row
 WEAK, STRONG = 1, 2
 
 
@@ -22,28 +22,6 @@ def exceeds(values: Any, limit: Any) -> Any:
     for x in range(len(values)):
         count += one if values[x] > limit else none
     return count
-
-
-@summing_kernel
-def row_sums(row: Any) -> Any:
-    """Return the sum of the magnitudes of a row and that of their squares."""
-    total = squares = 0.0
-    for x in range(len(row)):
-        value = np.float64(row[x])
-        total += value
-        squares += value * value
-    return total, squares
-
-
-@kernel
-def magnitude_sums(values: Any) -> Any:
-    """Return the sum of magnitudes (H, W) and that of their squares."""
-    total = squares = 0.0
-    for y in range(len(values)):
-        plain, square = row_sums(values[y])
-        total += plain
-        squares += square
-    return total, squares
 
 
 @kernel
@@ -68,27 +46,13 @@ def median_magnitude(values: Any, largest: Any, least: Any) -> Any:
         for x in range(width):
             bins[x] = np.int32(math.sqrt(row[x]) * scale)
         for x in range(width):  # two tables: neighbours often fall in the same bin
-            counts[x & 1, bins[x]] += 1
+            counts[np.uint64(x & 1), np.uint64(bins[x])] += 1
     below = 0
     for k in range(HISTOGRAM_BINS):
         below += counts[0, k] + counts[1, k]
         if 2 * below >= values.size:
             return ((k + 0.5) / scale) ** 2 if k else 0.0
     return largest
-
-
-@kernel
-def checkers(levels: Any, out: Any) -> None:
-    """Write the magnitude of second differences along and across (H - 2, W - 2) of an image.
-
-    Straight edges along either axis and smooth shading give zero, noise does not.
-    """
-    for y in range(len(out)):
-        above, level, below, row = levels[y], levels[y + 1], levels[y + 2], out[y]
-        for x in range(len(row)):
-            corners = (above[x] + above[x + 2]) + (below[x] + below[x + 2])
-            sides = (above[x + 1] + below[x + 1]) + (level[x] + level[x + 2])
-            row[x] = abs(corners - (sides + sides) + np.float32(4.0) * level[x + 1])
 
 
 @inner_kernel
@@ -114,19 +78,22 @@ def suppress_run(
         left, here, right = level[x], level[x + 1], level[x + 2]
         upper_left, upper, upper_right = above[x], above[x + 1], above[x + 2]
         lower_left, lower, lower_right = below[x], below[x + 1], below[x + 2]
-        flat = abs(gx) >= abs(gy)
-        major = abs(gx) if flat else abs(gy)
-        minor = abs(gy) if flat else abs(gx)
+        wide, tall = abs(gx), abs(gy)
+        flat = wide >= tall
+        major = wide if wide > tall else tall
+        minor = wide if wide < tall else tall
         lead = gx if flat else gy
         same = (gx >= zero) == (gy >= zero)
-        side_1 = right if flat else lower
-        side_2 = left if flat else upper
-        rising, falling = upper_right if flat else lower_left, lower_left if flat else upper_right
-        corner_1 = lower_right if same else rising
-        corner_2 = upper_left if same else falling
+        east, west, south, north = here - right, here - left, here - lower, here - upper
+        side_1 = east if flat else south
+        side_2 = west if flat else north
+        eastern = lower_right if same else upper_right
+        western = upper_left if same else lower_left
+        corner_1 = eastern if flat | same else western
+        corner_2 = western if flat | same else eastern
         # Differences first: equal neighbours then give an exact zero.
-        rise_1 = (major - minor) * (here - side_1) + minor * (here - corner_1)
-        rise_2 = (major - minor) * (here - side_2) + minor * (here - corner_2)
+        rise_1 = (major - minor) * side_1 + minor * (here - corner_1)
+        rise_2 = (major - minor) * side_2 + minor * (here - corner_2)
         up = rise_1 if lead > zero else rise_2
         down = rise_2 if lead > zero else rise_1
         peak = (up > zero) & (down >= zero)
@@ -187,18 +154,21 @@ def hysteresis(state: Any, peaks: Any) -> Any:
     for peak in peaks:
         weak[size] = peak
         size += np.uint64(flat[peak] == WEAK)
-    for _ in range(2):  # onwards and back without branches: that settles most of them
-        kept = np.uint64(0)
-        for k in range(np.int64(size)):
-            peak = weak[k]
-            flat[peak] |= around(flat, np.int64(peak), width) & STRONG
-            weak[kept] = peak
-            kept += np.uint64(flat[peak] == WEAK)
-        size = kept
-        weak[:size] = weak[:size][::-1].copy()
+    # Onwards and back without branches: that settles most of them.
+    kept = np.uint64(0)
+    for peak in weak[:size]:
+        flat[peak] |= around(flat, np.int64(peak), width) & STRONG
+        weak[kept] = peak
+        kept += np.uint64(flat[peak] == WEAK)
+    last = np.int64(kept)
+    first = last
+    for k in range(last - 1, -1, -1):
+        peak = weak[np.uint64(k)]
+        flat[peak] |= around(flat, np.int64(peak), width) & STRONG
+        weak[np.uint64(first - 1)] = peak
+        first -= np.int64(flat[peak] == WEAK)
     stack = np.empty(1024, np.int32)
-    for k in range(np.int64(size)):
-        peak = weak[k]
+    for peak in weak[first:last]:
         if flat[peak] != WEAK or around(flat, np.int64(peak), width) & STRONG == 0:
             continue
         flat[peak] = STRONG

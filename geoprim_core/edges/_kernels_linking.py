@@ -11,7 +11,8 @@ from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.edges._kernels_pixels import NONE, NX, NY, OX, OY
 
 EXCESS_SHARE = 0.5
-CHUNK = 1024  # pixels
+CHUNK = 256  # pixels
+FITS, ONWARDS, TWIN = 1, 2, 4
 DOUBLE_COSINE = 0.9
 APART, UNLINKED = NONE - 1, NONE  # takes no part; no neighbour yet
 
@@ -29,17 +30,17 @@ def forward_steps(reach: Any) -> Any:
     return steps[:size]
 
 
-@kernel
-def find_pairs(first: Any, last: Any, xs: Any, ys: Any, index: Any, table: Any, steps: Any,
-               least: Any, pairs: Any) -> Any:  # fmt: skip
+@inner_kernel
+def find_pairs(
+    first: Any, last: Any, xs: Any, ys: Any, flat: Any, stride: Any, table: Any, hops: Any,
+    least: Any, pairs: Any, rows: Any,
+) -> Any:  # fmt: skip
     """Write from, to of the near pixels with alike gradients; return how many they are.
 
     They follow the pixels from `first` until `last`, in raster order. Every step is written and
-    kept or not: whether there is a pixel is a coin toss, which a branch loses.
+    kept or not: whether there is a pixel is a coin toss, which a branch loses. The `rows` (5, n)
+    are the way from edge to edge, the sum of the unit gradients and their cosine.
     """
-    stride = index.shape[1]
-    flat = index.ravel()
-    hops = steps[:, 1] * stride + steps[:, 0]
     source, target = pairs[0], pairs[1]
     near = np.uint64(0)
     for k in range(first, last):
@@ -49,36 +50,45 @@ def find_pairs(first: Any, last: Any, xs: Any, ys: Any, index: Any, table: Any, 
             source[near] = k
             target[near] = m
             near += np.uint64(m != NONE)
+    ways_x, ways_y, sums_x, sums_y, cosines = rows[0], rows[1], rows[2], rows[3], rows[4]
     alike = np.uint64(0)
     for c in range(near):
         k, m = source[c], target[c]
         source[alike] = k
         target[alike] = m
-        cosine = table[k, NX] * table[m, NX] + table[k, NY] * table[m, NY]
+        nx, ny = table[k, NX], table[k, NY]
+        mx, my = table[m, NX], table[m, NY]
+        ways_x[alike] = np.float32(xs[m] - xs[k]) + (table[m, OX] - table[k, OX])
+        ways_y[alike] = np.float32(ys[m] - ys[k]) + (table[m, OY] - table[k, OY])
+        sums_x[alike] = nx + mx
+        sums_y[alike] = ny + my
+        cosine = nx * mx + ny * my
+        cosines[alike] = cosine
         alike += np.uint64(cosine >= least)
     return np.int64(alike)
 
 
 @inner_kernel
-def measure_pairs(pairs: Any, found: Any, xs: Any, ys: Any, table: Any, rows: Any) -> None:
-    """Write of each pair how far it leads along and across the edge, squared way, cosine.
+def judge_pairs(rows: Any, turn_cosine: Any, slant: Any, costs: Any, states: Any) -> None:
+    """Write what each pair costs as a step, and whether it `FITS`, leads `ONWARDS`, is a `TWIN`.
 
-    The way is that from edge to edge. No branches: vector instructions.
+    No branches: vector instructions.
     """
-    source, target = pairs[0], pairs[1]
-    alongs, acrosses, ways, cosines = rows[0], rows[1], rows[2], rows[3]
-    for c in range(found):
-        k, m = source[c], target[c]
-        nx, ny = table[k, NX], table[k, NY]
-        mx, my = table[m, NX], table[m, NY]
-        cosine = nx * mx + ny * my
-        ex = xs[m] - xs[k] + table[m, OX] - table[k, OX]
-        ey = ys[m] - ys[k] + table[m, OY] - table[k, OY]
+    ways_x, ways_y, sums_x, sums_y, cosines = rows[0], rows[1], rows[2], rows[3], rows[4]
+    for c in range(len(states)):
+        cosine = np.float64(cosines[c])
+        ex, ey = np.float64(ways_x[c]), np.float64(ways_y[c])
+        sx, sy = np.float64(sums_x[c]), np.float64(sums_y[c])
         scale = 1.0 / math.sqrt(2.0 + 2.0 * cosine)
-        alongs[c] = (ex * (ny + my) - ey * (nx + mx)) * scale
-        acrosses[c] = abs(ex * (nx + mx) + ey * (ny + my)) * scale
-        ways[c] = ex * ex + ey * ey
-        cosines[c] = cosine
+        along = (ex * sy - ey * sx) * scale
+        across = abs(ex * sx + ey * sy) * scale
+        length = abs(along)
+        costs[c] = length + across + 4.0 * (1.0 - cosine)
+        fits = (cosine >= turn_cosine) & (across <= slant * length) & (length >= 0.3)
+        twin = (ex * ex + ey * ey <= 0.16) & (cosine >= DOUBLE_COSINE)
+        state = FITS if fits else 0
+        state |= ONWARDS if along > 0.0 else 0
+        states[c] = state | (TWIN if twin else 0)
 
 
 @inner_kernel
@@ -107,7 +117,11 @@ def find_steps(
     count = len(xs)
     steps = forward_steps(reach)
     pairs = np.empty((2, CHUNK * len(steps) + 1), np.uint32)
-    rows = np.empty((4, CHUNK * len(steps)))
+    rows = np.empty((5, CHUNK * len(steps) + 1), np.float32)
+    costs = np.empty(CHUNK * len(steps), np.float32)
+    states = np.empty(CHUNK * len(steps), np.uint8)
+    flat, stride = index.ravel(), index.shape[1]
+    hops = steps[:, 1] * stride + steps[:, 0]
     double = np.zeros(count, np.bool_)
     source = np.empty(2 * count + pairs.shape[1], np.uint32)
     target = np.empty(2 * count + pairs.shape[1], np.uint32)
@@ -117,27 +131,25 @@ def find_steps(
     for start in range(0, count, CHUNK):  # so few that they stay in the cache
         end = min(start + CHUNK, count)
         least = min(turn_cosine, DOUBLE_COSINE)
-        found = find_pairs(start, end, xs, ys, index, table, steps, least, pairs)
+        found = find_pairs(start, end, xs, ys, flat, stride, table, hops, least, pairs, rows)
         if np.int64(size) + found >= len(source):
             more = len(source) // 2 + found
             source = np.concatenate((source, np.empty(more, np.uint32)))
             target = np.concatenate((target, np.empty(more, np.uint32)))
             cost = np.concatenate((cost, np.empty(more, np.float32)))
             cosines = np.concatenate((cosines, np.empty(more, np.float32)))
-        measure_pairs(pairs, found, xs, ys, table, rows)
+        judge_pairs(rows, turn_cosine, slant, costs[:found], states[:found])
         for c in range(found):
-            k, m = pairs[0, c], pairs[1, c]
-            along, across, cosine = rows[0, c], rows[1, c], np.float32(rows[3, c])
-            if (rows[2, c] <= 0.16) & (cosine >= DOUBLE_COSINE):
-                if not (double[k] or double[m]):
-                    i, j = xs[m] - xs[k], ys[m] - ys[k]
-                    double[the_double(table, k, m, i, j)] = True
-            source[size] = k if along > 0.0 else m
-            target[size] = m if along > 0.0 else k
-            cost[size] = abs(along) + across + 4.0 * (1.0 - cosine)
-            cosines[size] = cosine
-            fits = (cosine >= turn_cosine) & (across <= slant * abs(along)) & (abs(along) >= 0.3)
-            size += np.uint64(fits)
+            k, m, state = pairs[0, c], pairs[1, c], states[c]
+            if state & TWIN and not (double[k] or double[m]):
+                i, j = xs[m] - xs[k], ys[m] - ys[k]
+                double[the_double(table, k, m, i, j)] = True
+            onwards = state & ONWARDS != 0
+            source[size] = k if onwards else m
+            target[size] = m if onwards else k
+            cost[size] = costs[c]
+            cosines[size] = rows[4, c]
+            size += np.uint64(state & FITS)
     cost[size] = np.inf  # of no step
     return source[:size], target[:size], cost[: size + np.uint64(1)], cosines[:size], double
 
@@ -155,7 +167,8 @@ def chain(source: Any, target: Any, cost: Any, cosine: Any, double: Any, limits:
     for k in range(count):
         before[k] = APART if double[k] else UNLINKED
     after = before.copy()
-    best_after = np.full(count, len(source), np.uint32)  # best open step from a pixel
+    none = np.uint32(len(source))
+    best_after = np.full(count, none, np.uint32)  # best open step from a pixel
     best_before = best_after.copy()
     waiting = np.empty(len(source), np.uint32)
     for limit in limits:
@@ -171,16 +184,25 @@ def chain(source: Any, target: Any, cost: Any, cosine: Any, double: Any, limits:
                 best_after[first] = p if cost[p] < cost[best] else best
                 best = best_before[second]
                 best_before[second] = p if cost[p] < cost[best] else best
-            for p in waiting[:size]:
-                first, second = source[p], target[p]
-                both = (best_after[first] == p) & (best_before[second] == p)
-                after[first] = second if both else after[first]
-                before[second] = first if both else before[second]
+            if size > count // 2:  # the first round: there are fewer pixels than steps
+                for k in range(count):
+                    p = best_after[k]
+                    second = target[p if p < none else 0]
+                    both = (p < none) & (best_before[second] == p)
+                    after[k] = second if both else after[k]
+                    place = second if both else k
+                    before[place] = k if both else before[place]
+            else:
+                for p in waiting[:size]:
+                    first, second = source[p], target[p]
+                    both = (best_after[first] == p) & (best_before[second] == p)
+                    after[first] = second if both else after[first]
+                    before[second] = first if both else before[second]
             kept = np.uint64(0)
             for p in waiting[:size]:
                 first, second = source[p], target[p]
-                best_after[first] = len(source)
-                best_before[second] = len(source)
+                best_after[first] = none
+                best_before[second] = none
                 waiting[kept] = p
                 free = (after[first] == UNLINKED) & (before[second] == UNLINKED)
                 kept += np.uint64(free)
@@ -189,11 +211,32 @@ def chain(source: Any, target: Any, cost: Any, cosine: Any, double: Any, limits:
 
 
 @inner_kernel
-def bend(angle: Any, k: Any, m: Any) -> Any:
-    """Return the signed angle from one gradient to another."""
-    turn = np.float64(angle[m]) - np.float64(angle[k])
+def bend(first: Any, second: Any) -> Any:
+    """Return the signed angle from one direction to another."""
+    turn = np.float64(second) - np.float64(first)
     turn = turn - 2.0 * math.pi if turn > math.pi else turn
     return turn + 2.0 * math.pi if turn < -math.pi else turn
+
+
+@kernel
+def sharp_links(angle: Any, after: Any, max_turn: Any, sharp: Any) -> Any:
+    """Write the pixels whose link to the next turns by over `max_turn`; return how many they are.
+
+    Three loops: that with the arithmetic has neither branches nor places to look up, so it
+    compiles to vector instructions.
+    """
+    ahead = np.empty(len(after), np.float32)
+    turns = np.empty(len(after), np.uint8)
+    for k in range(len(after)):
+        m = after[k]
+        ahead[k] = angle[m if m < APART else np.uint32(k)]
+    for k in range(len(after)):
+        turns[k] = abs(bend(angle[k], ahead[k])) > max_turn
+    size = np.uint64(0)
+    for k in range(len(after)):
+        sharp[size] = k
+        size += np.uint64(turns[k])
+    return np.int64(size)
 
 
 @kernel
@@ -203,24 +246,24 @@ def cut_corners(angle: Any, before: Any, after: Any, max_turn: Any) -> None:
     A link stays where the mean turn of the three links before and the three after it comes
     within half of `max_turn` of its own: a small circle, but not a corner or a crossing.
     """
-    cut = np.empty(len(after), np.uint32)
+    sharp = np.empty(len(after), np.uint32)
+    sharps = sharp_links(angle, after, max_turn, sharp)
+    cut = np.empty(sharps, np.uint32)
     size = np.uint64(0)
-    for k in range(len(after)):
-        here, m = np.uint32(k), after[k]
-        turn = bend(angle, here, m if m < APART else here)
-        if abs(turn) <= max_turn:
-            continue
+    for here in sharp[:sharps]:
+        m = after[here]
+        turn = bend(angle[here], angle[m])
         behind = ahead = 0.0  # apart: the sum is then the same whichever way a contour runs
         first, last = here, m
         for _ in range(3):
             if before[first] < APART:
-                behind += bend(angle, before[first], first)
+                behind += bend(angle[before[first]], angle[first])
                 first = before[first]
             if after[last] < APART:
-                ahead += bend(angle, last, after[last])
+                ahead += bend(angle[last], angle[after[last]])
                 last = after[last]
         expected = (behind + ahead) / 6.0
-        cut[size] = k
+        cut[size] = here
         size += np.uint64(abs(turn - expected) > EXCESS_SHARE * max_turn)
     for k in cut[:size]:  # not before all are judged: a cut link would change what is around
         before[after[k]] = UNLINKED

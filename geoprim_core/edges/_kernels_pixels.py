@@ -84,14 +84,17 @@ def length(gx: Any, gy: Any) -> Any:
 
 
 @inner_kernel
-def crests(around: Any, rows: Any, centred: Any) -> None:
+def crests(around: Any, rows: Any, lengths: Any, centred: Any) -> None:
     """Write offset and unit gradient to `rows` (4, n), and whether the pixel is the largest.
+
+    The three magnitudes are written to `lengths` (3, n).
 
     The body has no branches and no calls, so that it compiles to vector instructions.
     """
     own_x, own_y, up_x, up_y, down_x, down_y = (
         around[0], around[1], around[2], around[3], around[4], around[5],
     )  # fmt: skip
+    heres, ups, downs = lengths[0], lengths[1], lengths[2]
     for c in range(len(centred)):
         gx, gy = np.float64(own_x[c]), np.float64(own_y[c])
         here = math.sqrt(gx * gx + gy * gy)
@@ -114,12 +117,23 @@ def crests(around: Any, rows: Any, centred: Any) -> None:
         rows[OY, c] = (shift * ny * SUBPIXEL_STEPS + ROUNDING - ROUNDING) / SUBPIXEL_STEPS
         rows[NX, c] = nx
         rows[NY, c] = ny
+        heres[c] = here
+        ups[c] = up
+        downs[c] = down
         centred[c] = (up <= here) & (down <= here)
 
 
 @kernel
 def recentre(
-    around: Any, centred: Any, first: Any, xs: Any, ys: Any, dx: Any, dy: Any, rows: Any
+    around: Any,
+    lengths: Any,
+    centred: Any,
+    first: Any,
+    xs: Any,
+    ys: Any,
+    dx: Any,
+    dy: Any,
+    rows: Any,
 ) -> None:
     """Write the offsets where the crest crosses the axis nearer to a neighbour of the pixel."""
     height, width = dx.shape
@@ -131,8 +145,7 @@ def recentre(
         size += np.uint64(not centred[c])
     for c in waiting[:size]:
         gx, gy = around[0, c], around[1, c]
-        here = length(gx, gy)
-        up, down = length(around[2, c], around[3, c]), length(around[4, c], around[5, c])
+        here, up, down = lengths[0, c], lengths[1, c], lengths[2, c]
         way = 1 if up > here else -1
         level, steep = abs(gx) >= abs(gy), abs(gy) >= abs(gx)
         x = np.int64(xs[first + c]) + (2 * (way if gx >= 0.0 else -way) if level else 0)
@@ -176,14 +189,15 @@ def locate(flat: Any, dx: Any, dy: Any, index: Any) -> Any:
     table = np.empty((count, 4), np.float32)
     around = np.empty((6, CHUNK), np.float32)
     rows = np.empty((4, CHUNK), np.float32)
+    lengths = np.empty((3, CHUNK))
     centred = np.empty(CHUNK, np.bool_)
     places = index.ravel()
     index[:] = NONE
     for first in range(0, count, CHUNK):  # so few that they stay in the cache
         last = min(first + CHUNK, count)
         look_around(flat, first, last, dx, dy, xs, ys, around)
-        crests(around, rows, centred[: last - first])
-        recentre(around, centred[: last - first], first, xs, ys, dx, dy, rows)
+        crests(around, rows, lengths, centred[: last - first])
+        recentre(around, lengths, centred[: last - first], first, xs, ys, dx, dy, rows)
         for k in range(first, last):
             places[np.uint64(np.int64(flat[k]) + ys[k] * MARGIN)] = k
             for column in range(4):

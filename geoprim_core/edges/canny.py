@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import cast
 
 import cv2
@@ -16,6 +17,7 @@ from geoprim_core.edges.params import EdgeParams
 
 Float32Array = npt.NDArray[np.float32]
 UInt32Array = npt.NDArray[np.uint32]
+Gradient = tuple[Float32Array, Float32Array, Float32Array, tuple[float, float]]
 
 _BGR_WEIGHTS = (0.114, 0.587, 0.299)  # ITU-R BT.601 luma
 _KERNEL_SUM = 128
@@ -102,17 +104,28 @@ def gaussian_weights(sigma: float) -> Float32Array:
     return weights.astype(np.float32)
 
 
-def image_gradient(
-    image: AnyArray, params: EdgeParams
-) -> tuple[Float32Array, Float32Array, Float32Array]:
-    """Return the gradient dx, dy and its magnitude (H, W) of an image in levels per pixel.
+@lru_cache(maxsize=8)
+def _half_of_weights(sigma: float) -> Float32Array:
+    """Return the weights from the middle outwards, at least three."""
+    weights = gaussian_weights(sigma)
+    half = weights[len(weights) // 2 :]
+    return np.concatenate((half, np.zeros(max(3 - len(half), 0), np.float32)))
+
+
+def image_gradient(image: AnyArray, params: EdgeParams) -> Gradient:
+    """Return what `gradient` does of an image of any kind.
 
     With `colour` "strongest" that of a colour image is, pixel by pixel, the gradient of the
     channel where it is largest: red fruit on a belt of the same grey has an outline.
     """
+    return gradient(_channels(image, params), params.sigma)
+
+
+def _channels(image: AnyArray, params: EdgeParams) -> AnyArray:
+    """Return the image whose gradient is taken, uint8 or float32: in colours or grey."""
     if image.ndim == 2 or params.colour == "gray" or params.equalise:
-        return gradient(to_gray(image, equalise=params.equalise), params.sigma)
-    return gradient(image if image.dtype == np.uint8 else _stretched(image[:, :, :3]), params.sigma)
+        return to_gray(image, equalise=params.equalise)
+    return image if image.dtype == np.uint8 else _stretched(image[:, :, :3])
 
 
 def steady_gradient(
@@ -130,15 +143,15 @@ def steady_gradient(
     ----------
     J. Immerkaer, Fast noise variance estimation, CVIU 64 (1996), with the median.
     """
-    dx, dy, values = image_gradient(image, params)
-    levels = gradient_levels(values, params)
+    dx, dy, values, extent = image_gradient(image, params)
+    levels = gradient_levels(values, extent, params)
     growth = _noise_share(image, levels, params) / params.noise_share
     if not growth > 1.0:
         return dx, dy, values, levels, params.sigma
     variance = growth**2 * (params.sigma**2 + _SOBEL_VARIANCE) - _SOBEL_VARIANCE
     sigma = min(params.noise_sigma, math.sqrt(variance))
-    dx, dy, values = image_gradient(image, replace(params, sigma=sigma))
-    return dx, dy, values, gradient_levels(values, params), sigma
+    dx, dy, values, extent = image_gradient(image, replace(params, sigma=sigma))
+    return dx, dy, values, gradient_levels(values, extent, params), sigma
 
 
 def _noise_share(image: AnyArray, levels: GradientLevels, params: EdgeParams) -> float:
@@ -151,12 +164,16 @@ def _noise_share(image: AnyArray, levels: GradientLevels, params: EdgeParams) ->
     if params.noise_sigma <= params.sigma or levels.noise <= least or min(image.shape[:2]) < 3:
         return 0.0
     effect = 1.0 / (math.sqrt(8.0 * math.pi) * (params.sigma**2 + _SOBEL_VARIANCE))
-    single = effect * pixel_noise(_one_channel(image, params))
+    single = effect * pixel_noise(_channels(image, params))
     return min(levels.noise, single) / levels.typical
 
 
-def pixel_noise(levels: AnyArray) -> float:
-    """Return the standard deviation of the noise of a channel (H, W), H, W >= 3.
+def pixel_noise(image: AnyArray) -> float:
+    """Return the standard deviation of the noise of an image, of colours in the middle one, green.
+
+    Parameters
+    ----------
+    image : (H, W), (H, W, 3) or (H, W, 4) uint8 or float, H, W >= 3
 
     Examples
     --------
@@ -164,40 +181,42 @@ def pixel_noise(levels: AnyArray) -> float:
     >>> 4.8 < pixel_noise(noise) < 5.2
     True
     """
-    height, width = levels.shape
+    height, width = image.shape[:2]
     differences = np.empty((height - 2, width - 2), np.float32)
-    _kernels.checkers(np.ascontiguousarray(levels, np.float32), differences)
-    largest = float(differences.max())
+    largest = float(_kernels_gradient.checkers(*_rows(image), differences))
     if not largest > 0.0:
         return 0.0
     median = float(_kernels.median_magnitude(differences, largest, 0.0))
     return median / (_NORMAL_MEDIAN * 6.0)  # the root of the weights' sum of squares
 
 
-def _one_channel(image: AnyArray, params: EdgeParams) -> AnyArray:
-    """Return the channel that tells the noise: of colours the middle one, green."""
-    if image.ndim == 2 or params.colour == "gray" or params.equalise:
-        return to_gray(image, equalise=params.equalise)
-    return (image if image.dtype == np.uint8 else _stretched(image[:, :, :3]))[:, :, 1]
+def _rows(image: AnyArray) -> tuple[AnyArray, AnyArray, int]:
+    """Return an image (H, W * C) as octets or as levels, the other one empty; how many channels."""
+    rows = np.ascontiguousarray(image).reshape(len(image), -1)
+    channels = 1 if image.ndim == 2 else 3
+    if rows.dtype == np.uint8:
+        return rows, _NO_LEVELS, channels
+    return _NO_OCTETS, rows.astype(np.float32, copy=False), channels
 
 
-def gradient(image: AnyArray, sigma: float) -> tuple[Float32Array, Float32Array, Float32Array]:
+def gradient(image: AnyArray, sigma: float) -> Gradient:
     """Return dx, dy and their magnitude (H, W): Gaussian blur, 3x3 Sobel, strongest channel.
+
+    They are in levels per pixel. The largest and the typical magnitude come fourth, see
+    `GradientLevels`.
 
     Parameters
     ----------
     image : (H, W), (H, W, 3) or (H, W, 4) uint8 or float32
     """
-    rows = np.ascontiguousarray(image).reshape(len(image), -1)
-    octets, levels = (rows, _NO_LEVELS) if rows.dtype == np.uint8 else (_NO_OCTETS, rows)
-    channels = 1 if image.ndim == 2 else 3
-    weights = gaussian_weights(sigma)
-    half = weights[len(weights) // 2 :]
+    half = _half_of_weights(sigma)
     scale = np.float32(1.0 / (8.0 * _KERNEL_SUM**2))
     # Made here, not in the kernel: numpy asks the system for large pages.
     dx, dy, values = (np.empty(image.shape[:2], np.float32) for _ in range(3))
-    _kernels_gradient.gradient(octets, levels, channels, half, scale, dx, dy, values)
-    return dx, dy, values
+    largest, total, squares = _kernels_gradient.gradient(*_rows(image), half, scale, dx, dy, values)
+    # Rounded: the sums depend a little on the order, a turned image is to have the same edges.
+    typical = _rounded(squares / total) if largest > 0.0 else 0.0
+    return dx, dy, values, (float(largest), typical)
 
 
 def find_edges(
@@ -205,27 +224,25 @@ def find_edges(
     dy: Float32Array,
     values: Float32Array,
     params: EdgeParams,
-    levels: GradientLevels | None = None,
+    levels: GradientLevels,
 ) -> tuple[UInt32Array, float, float]:
     """Return the flat indices (N,) of the edge pixels and the low and high threshold.
 
-    The thresholds are in grey levels per pixel, as the gradient and its magnitude `values`, of
-    which `levels` may be known.
+    The thresholds are in grey levels per pixel, as the gradient and its magnitude `values`.
     """
-    low, high = _thresholds(levels or gradient_levels(values, params), params)
+    low, high = _thresholds(levels, params)
     state = np.zeros(values.shape, np.uint8)
     peaks = _kernels.suppress(values, dx, dy, low, high, state)
     return _kernels.hysteresis(state, peaks), low, high
 
 
-def gradient_levels(values: Float32Array, params: EdgeParams) -> GradientLevels:
-    """Return the largest, the typical and the noise magnitude of a gradient (H, W)."""
-    largest = float(values.max())
+def gradient_levels(
+    values: Float32Array, extent: tuple[float, float], params: EdgeParams
+) -> GradientLevels:
+    """Return the `extent` of a gradient with magnitudes (H, W), and their noise."""
+    largest, typical = extent
     if not largest > 0.0:
         return GradientLevels(0.0, 0.0, 0.0)
-    total, squares = _kernels.magnitude_sums(values)
-    # Rounded: the sums depend a little on the order, a turned image is to have the same edges.
-    typical = _rounded(squares / total)
     share = params.noise_share
     if params.threshold_rule == "auto" and params.noise_factor > 0.0:
         share = min(share, params.high_auto / params.noise_factor)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -68,6 +69,12 @@ def locate_pixels(
     return EdgePixels(x, y, index, table, blur)
 
 
+@lru_cache(maxsize=8)
+def _turn_limits(max_turn: float) -> npt.NDArray[np.float64]:
+    """Return the least cosines of a turn: as a rule, and where the contour bends around it."""
+    return np.cos(np.radians([max_turn, 2.0 * max_turn]))
+
+
 def link_by_direction(pixels: EdgePixels, *, params: EdgeParams) -> Contours:
     """Join neighbouring edge pixels whose signed gradients agree.
 
@@ -79,7 +86,7 @@ def link_by_direction(pixels: EdgePixels, *, params: EdgeParams) -> Contours:
     """
     x, y, index, table = pixels.x, pixels.y, pixels.index, pixels.table
     slant = math.tan(math.radians(params.max_slant))
-    limits = np.cos(np.radians([params.max_turn, 2.0 * params.max_turn]))
+    limits = _turn_limits(params.max_turn)
     source, target, cost, cosine, double = _kernels_linking.find_steps(
         x, y, index, table, limits[1], params.reach, slant
     )
@@ -110,12 +117,12 @@ def _contours(
     after: UInt32Array,
     params: EdgeParams,
 ) -> Contours:
-    points, fine, tilt, ends, closed = _kernels_walk.walk(
+    points, fine, tilt, offsets, closed = _kernels_walk.walk(
         pixels.x, pixels.y, pixels.table, angle, before, after, params.min_length
     )
     return Contours(
         points=points,
-        offsets=np.concatenate((np.zeros(1, np.int64), ends)),
+        offsets=offsets,
         closed=closed,
         image_size=pixels.image_size,
         subpixel=fine if params.subpixel else None,

@@ -11,7 +11,7 @@ from skimage import data
 from skimage.measure import label
 
 from geoprim_core.edges import EdgeParams, _kernels, _kernels_linking, _kernels_pixels, trace_edges
-from geoprim_core.edges.canny import find_edges, gaussian_weights, gradient
+from geoprim_core.edges.canny import find_edges, gaussian_weights, gradient, steady_gradient
 from geoprim_core.edges.linking import locate_pixels
 
 SHAPES = st.tuples(st.integers(1, 9), st.integers(1, 9))
@@ -37,17 +37,21 @@ def plain_gradient(channel: np.ndarray, sigma: float) -> tuple[np.ndarray, np.nd
 @settings(max_examples=60, deadline=None)
 @given(arrays(np.uint8, SHAPES), st.sampled_from([0.0, 0.5, 0.7, 1.3, 3.0]))
 def test_the_gradient_of_an_8_bit_image_is_exact(image, sigma):
-    dx, dy, values = gradient(image, sigma)
+    dx, dy, values, (largest, typical) = gradient(image, sigma)
     expected = plain_gradient(image, sigma)
     np.testing.assert_array_equal((dx, dy), expected)
     np.testing.assert_allclose(values, np.hypot(*expected), rtol=1e-6)
+    assert largest == values.max()
+    assert typical * values.sum(dtype=float) == pytest.approx(
+        (values.astype(float) ** 2).sum(), 5e-4
+    )
 
 
 @settings(max_examples=40, deadline=None)
 @given(SHAPES, st.sampled_from([3, 4]), st.integers(0, 99))
 def test_the_gradient_of_colours_is_that_of_the_strongest_channel(shape, channels, seed):
     image = np.random.default_rng(seed).integers(0, 256, (*shape, channels), dtype=np.uint8)
-    dx, dy, _ = gradient(image, 0.7)
+    dx, dy, *_ = gradient(image, 0.7)
     each = np.array([plain_gradient(image[:, :, c], 0.7) for c in range(3)])
     strongest = (each**2).sum(axis=1).max(axis=0)
     np.testing.assert_allclose(dx**2 + dy**2, strongest, rtol=1e-6)
@@ -149,10 +153,9 @@ def test_chains_take_the_cheapest_open_step_first(seed, count):
 def test_every_link_stays_within_reach_and_turns_little():
     image = data.camera()
     params = EdgeParams(reach=1.5)
-    trace = trace_edges(image, params)
-    values = np.hypot(trace.dx, trace.dy)
-    flat, _, _ = find_edges(trace.dx, trace.dy, values, params)
-    pixels = locate_pixels(flat, trace.dx, trace.dy)
+    dx, dy, values, levels, _ = steady_gradient(image, params)
+    flat, _, _ = find_edges(dx, dy, values, params, levels)
+    pixels = locate_pixels(flat, dx, dy)
     source, target, cost, cosine, double = _kernels_linking.find_steps(
         pixels.x, pixels.y, pixels.index, pixels.table, 0.9, params.reach, 0.7
     )
