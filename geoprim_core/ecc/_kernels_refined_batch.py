@@ -219,15 +219,17 @@ def fit_pairs(
     found = 0
     for k in range(size):
         worst = 0.0
-        for side in range(2):
-            i = first[k] if side == 0 else second[k]
+        for side in range(2):  # the shorter arc first: the fit follows the longer one
+            i = second[k] if side == 0 else first[k]
             if work[GOOD + k] > 0.0 and i >= 0:
                 count = min(SAMPLES, int(table[i, 18]))
                 worst = max(worst, mean_square(samples, i, count, work, k))
                 work[GOOD + k] = 1.0 if worst < max_rms * max_rms else 0.0
         if not work[GOOD + k] > 0.0:
             continue
-        if lengths[k] < min_share * perimeter_of(work[MAJOR + k], work[MINOR + k]):
+        major, minor = work[MAJOR + k], work[MINOR + k]
+        longest = math.pi * math.sqrt(2.0 * (major * major + minor * minor))  # of this perimeter
+        if lengths[k] < min_share * longest and lengths[k] < min_share * perimeter_of(major, minor):
             continue
         arcs[found, 0], arcs[found, 1] = first[k], second[k]
         values[found, 0] = lengths[k] / (0.15 + math.sqrt(worst))

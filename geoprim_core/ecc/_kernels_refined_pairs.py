@@ -13,6 +13,7 @@ from geoprim_core.ecc._kernels_refined_batch import BATCH, WORK, fit_pairs, samp
 CLASS_RATIO = 1.5  # longest over shortest arc of one class of lengths
 LEAST_CELL = 16.0  # pixels
 LEVEL = 1e-4  # a border of a search region that rises less is taken as level
+ROOM = 16384  # candidates before there has to be made more
 CELL_ARCS = 2.0  # side of a cell in mean distances of arcs
 
 
@@ -237,8 +238,8 @@ def pair_arcs(
     at. The work: the pairs looked at, those that there were (rather more than too few) and the
     share asked for to keep within `max_pairs`. The arcs come longest first.
     """
-    arcs = np.empty((1024, 2), np.int64)
-    values = np.empty((1024, 6))
+    arcs = np.empty((ROOM, 2), np.int64)
+    values = np.empty((ROOM, 6))
     found = looked = own = 0
     if len(table) == 0:
         return arcs[:0].copy(), values[:0].copy(), 0, 0.0, min_share
