@@ -242,7 +242,7 @@ def pair_arcs(
     values = np.empty((ROOM, 6))
     found = looked = own = 0
     if len(table) == 0:
-        return arcs[:0].copy(), values[:0].copy(), 0, 0.0, min_share
+        return arcs[:0], values[:0], 0, 0.0, min_share
     classes = length_classes(table)
     grid, starts, members, area = grid_of(table, classes)
     share, every = admitted_share(table, classes, grid, area, min_share, max_pairs)
@@ -275,4 +275,21 @@ def pair_arcs(
                 work, arcs[found:], values[found:],
             )  # fmt: skip
             waiting = 0
-    return arcs[:found].copy(), values[:found].copy(), looked, every, share
+    return arcs[:found], values[:found], looked, every, share
+
+
+@kernel
+def arranged(
+    arcs: IntArray, values: FloatArray, order: IntArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return the arcs, ranks and ellipses of candidates in the given order."""
+    pairs = np.empty((len(order), 2), np.int64)
+    ranks = np.empty(len(order))
+    ellipses = np.empty((len(order), 5))
+    for k in range(len(order)):
+        at = np.uint64(order[k])
+        pairs[k, 0], pairs[k, 1] = arcs[at, 0], arcs[at, 1]
+        ranks[k] = values[at, 0]
+        for column in range(5):
+            ellipses[k, column] = values[at, column + 1]
+    return pairs, ranks, ellipses

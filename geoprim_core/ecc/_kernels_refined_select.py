@@ -134,12 +134,12 @@ def select(
     least: float,
     most: float,
     woven: float,
-) -> tuple[IntArray, IntArray]:
+) -> tuple[IntArray, IntArray, BoolArray]:
     """Choose greedily the ellipse with the strongest support that no chosen one has claimed.
 
     Strength is the unclaimed supported length, times the root of the coverage, less for scatter.
     It only falls: in a heap only what comes to the top is looked at again.
-    Returns the chosen in order, and what became of each ellipse.
+    Returns the chosen in order, what became of each ellipse, and which points are claimed.
     """
     count = len(ellipses)
     claimed = np.zeros(len(points), np.bool_)
@@ -182,4 +182,4 @@ def select(
             size -= 1
             heap[0] = heap[size]
         sink(heap, size, 0, value)
-    return chosen[:found].copy(), outcome
+    return chosen[:found].copy(), outcome, claimed
