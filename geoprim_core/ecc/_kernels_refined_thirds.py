@@ -17,35 +17,67 @@ LEAST_WIDTH = 0.05  # pixels, of the weights
 STIFFNESS = 0.05  # points at a pixel's distance that hold the ellipse where its support does not
 
 
-@kernel
-def write_rows(points: FloatArray, chosen: IntArray, ellipse: FloatArray, rows: FloatArray) -> None:
-    """Write of each point the five derivatives of its distance, the distance, and its parameter.
+@inner_kernel
+def write_frame(
+    points: FloatArray, chosen: IntArray, ellipse: FloatArray, frame: FloatArray
+) -> None:
+    """Write of each point its position where the ellipse is the unit circle, and its turn.
 
-    In the frame where the ellipse is the unit circle the conic has five free coefficients, as in
-    `refit`; the distance in pixels is Sampson's.
+    The turn stands for the angle from the major axis: it rises with it from -pi to pi, is the same
+    at multiples of pi/2, and takes no arc tangent.
     """
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
     ia, ib = 1.0 / ellipse[2], 1.0 / ellipse[3]
     for k in range(len(chosen)):
-        dx, dy = points[chosen[k], 0] - ellipse[0], points[chosen[k], 1] - ellipse[1]
+        at = np.uint64(chosen[k])
+        dx, dy = points[at, 0] - ellipse[0], points[at, 1] - ellipse[1]
         u, v = (dx * cos + dy * sin) * ia, (dy * cos - dx * sin) * ib
-        inverse = 0.5 / math.sqrt(u * u * ia * ia + v * v * ib * ib + 1e-300)
-        rows[k, 0], rows[k, 1], rows[k, 2] = u * u * inverse, u * v * inverse, v * v * inverse
-        rows[k, 3], rows[k, 4] = u * inverse, v * inverse
-        rows[k, 5] = (u * u + v * v - 1.0) * inverse
-        rows[k, 6] = math.atan2(v, u)
+        frame[0, k], frame[1, k] = u, v
+        part = v / (abs(u) + abs(v) + 1e-300)
+        beyond = 2.0 - part if v >= 0.0 else -2.0 - part
+        frame[2, k] = 0.5 * math.pi * (part if u >= 0.0 else beyond)
 
 
 @inner_kernel
-def after_largest_gap(angles: FloatArray, order: IntArray) -> int:
-    """Return the place in the order of the angles that follows their largest gap."""
+def after_largest_gap(frame: FloatArray, order: IntArray) -> int:
+    """Return the place in the order of the points that follows the largest gap of their angles.
+
+    Gaps are compared by what rises with them from -1 to 3: their cosine turned about.
+    """
     count = len(order)
-    place, widest = 0, angles[order[0]] - angles[order[count - 1]] + 2.0 * math.pi
-    for m in range(1, count):
-        gap = angles[order[m]] - angles[order[m - 1]]
+    place, widest = 0, -math.inf
+    for m in range(count):
+        i, j = order[m - 1 if m > 0 else count - 1], order[m]
+        dot = frame[0, i] * frame[0, j] + frame[1, i] * frame[1, j]
+        lengths = (frame[0, i] * frame[0, i] + frame[1, i] * frame[1, i]) * (
+            frame[0, j] * frame[0, j] + frame[1, j] * frame[1, j]
+        )
+        cosine = dot / math.sqrt(lengths + 1e-300)
+        turn = frame[2, j] - frame[2, i] + (2.0 * math.pi if m == 0 else 0.0)
+        gap = 2.0 + cosine if turn > math.pi else -cosine
         if gap > widest:
             place, widest = m, gap
     return place
+
+
+@inner_kernel
+def write_rows(
+    frame: FloatArray, order: IntArray, start: int, ellipse: FloatArray, rows: FloatArray
+) -> None:
+    """Write of each point the five derivatives of its distance, and the distance.
+
+    In the given order from `start` on, all around. In the frame where the ellipse is the unit
+    circle the conic has five free coefficients, as in `refit`; the distance in pixels is Sampson's.
+    """
+    ia, ib = 1.0 / ellipse[2], 1.0 / ellipse[3]
+    count = len(order)
+    for m in range(count):
+        k = np.uint64(order[m + start if m + start < count else m + start - count])
+        u, v = frame[0, k], frame[1, k]
+        inverse = 0.5 / math.sqrt(u * u * ia * ia + v * v * ib * ib + 1e-300)
+        rows[m, 0], rows[m, 1], rows[m, 2] = u * u * inverse, u * v * inverse, v * v * inverse
+        rows[m, 3], rows[m, 4] = u * inverse, v * inverse
+        rows[m, 5] = (u * u + v * v - 1.0) * inverse
 
 
 @inner_kernel
@@ -71,10 +103,10 @@ def prediction_error(points: FloatArray, chosen: IntArray, ellipse: FloatArray) 
     third is one linear step, robust as the scatter asks for.
     """
     count = len(chosen)
-    rows = np.empty((count, 7))
-    write_rows(points, chosen, ellipse, rows)
-    order = order_around(rows[:, 6].copy())
-    rows = rows[np.roll(order, -after_largest_gap(rows[:, 6], order))]
+    frame, rows = np.empty((3, count)), np.empty((count, 6))
+    write_frame(points, chosen, ellipse, frame)
+    order = order_around(frame[2])
+    write_rows(frame, order, after_largest_gap(frame, order), ellipse, rows)
     width = 2.0 * np.median(np.abs(rows[:, 5])) + LEAST_WIDTH
     first = (count + 1) // 3
     ends = (0, first, count - first, count)
