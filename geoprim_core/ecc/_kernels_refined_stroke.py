@@ -87,6 +87,30 @@ def find_mates(
     return gaps
 
 
+@kernel
+def count_sides(gaps: FloatArray, offsets: IntArray, fewest: int) -> tuple[int, int, int]:
+    """Count the points of contours of `fewest` or more: with a mate darker, brighter, and all."""
+    dark = bright = total = 0
+    for c in range(len(offsets) - 1):
+        own = gaps[offsets[c] : offsets[c + 1]]
+        if len(own) < fewest:
+            continue
+        total += len(own)
+        for gap in own:
+            dark += gap < 0.0
+            bright += gap > 0.0
+    return dark, bright, total
+
+
+@kernel
+def contour_of_points(offsets: IntArray) -> IntArray:
+    """Return for each point the contour that it is on."""
+    contour = np.empty(offsets[-1], np.int64)
+    for c in range(len(offsets) - 1):
+        contour[offsets[c] : offsets[c + 1]] = c
+    return contour
+
+
 @inner_kernel
 def count_alike(gaps: FloatArray, width: float) -> int:
     """Count the mates that lie about as far as a line of the given signed width is wide."""

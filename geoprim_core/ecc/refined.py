@@ -299,8 +299,9 @@ def refit_chosen(
     ----------
     Thesis (5-10), (5-12), (5-13) for coverage, alignment and continuity.
     """
-    score = verified.score
-    best = selection.chosen[np.argsort(-score[selection.chosen], kind="stable")]
+    score = SCORE_MAP.probability(verified.figures[selection.chosen, 0])
+    order = np.argsort(-score, kind="stable")
+    best = selection.chosen[order]
     noise = edges.noisiness if params.noise_gaps > 0.0 else 0.0
     rows, covariance, saliency = _final.finish(
         edges.points,
@@ -317,7 +318,7 @@ def refit_chosen(
     )
     return EllipseDetections(
         Ellipses.from_array(rows),
-        score[best],
+        score[order],
         saliency[:, 0],
         saliency[:, 1],
         saliency[:, 2],
