@@ -83,7 +83,7 @@ def inverse_of(matrix: FloatArray) -> tuple[FloatArray, bool]:
 
 @kernel
 def covariance_of(
-    points: FloatArray, parameter: FloatArray, ellipse: FloatArray, width: float, smoothing: float
+    points: FloatArray, ellipse: FloatArray, width: float, smoothing: float
 ) -> FloatArray:
     """Return the covariance (5, 5) of an ellipse from the distances of its points, in order.
 
@@ -101,7 +101,10 @@ def covariance_of(
     slope = 0.0
     for k in range(count):
         d, nx, ny = offset_of(ellipse, cos, sin, points[k, 0], points[k, 1])
-        ct, st = math.cos(parameter[k]), math.sin(parameter[k])
+        dx, dy = points[k, 0] - ellipse[0], points[k, 1] - ellipse[1]
+        ct, st = (dx * cos + dy * sin) / a, (dy * cos - dx * sin) / b
+        inverse_length = 1.0 / math.sqrt(ct * ct + st * st + 1e-300)
+        ct, st = ct * inverse_length, st * inverse_length
         nu, nv = nx * cos + ny * sin, ny * cos - nx * sin
         row = rows[k]
         row[0], row[1], row[2], row[3] = nx, ny, ct * nu, st * nv
@@ -137,4 +140,5 @@ def covariance_of(
 @kernel
 def radius_at(nu: float, nv: float, a: float, b: float) -> float:
     """Return the radius of curvature of an ellipse where its unit normal is (nu, nv)."""
-    return float(a * a * b * b / (a * a * nu * nu + b * b * nv * nv) ** 1.5)
+    square = a * a * nu * nu + b * b * nv * nv
+    return a * a * b * b / (square * math.sqrt(square))
