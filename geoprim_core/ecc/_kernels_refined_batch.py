@@ -179,8 +179,9 @@ def mean_square(samples: FloatArray, i: int, count: int, work: FloatArray, k: in
 
 
 @inner_kernel
-def write_ellipse(work: FloatArray, k: int, out: FloatArray) -> None:
-    """Write ellipse k of a batch as a row."""
+def write_ellipse(work: FloatArray, k: int, values: FloatArray, found: int) -> None:
+    """Write ellipse k of a batch to a row of values, from the second on."""
+    out = values[found, 1:]
     ellipse_of_conic(
         work[A + k], work[B + k], work[C + k], work[D + k], work[E + k], work[F + k], out
     )
@@ -233,6 +234,6 @@ def fit_pairs(
             continue
         arcs[found, 0], arcs[found, 1] = first[k], second[k]
         values[found, 0] = lengths[k] / (0.15 + math.sqrt(worst))
-        write_ellipse(work, k, values[found, 1:])
+        write_ellipse(work, k, values, found)
         found += 1
     return found

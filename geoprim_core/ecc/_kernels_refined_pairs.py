@@ -262,14 +262,15 @@ def pair_arcs(
             max_pairs - looked, partners,
         )  # fmt: skip
         looked += more
+        # Here and not below: a loop that may replace arrays counts references in each round.
+        while found + waiting + count + 1 > len(arcs):
+            arcs = np.concatenate((arcs, np.empty_like(arcs)))
+            values = np.concatenate((values, np.empty_like(values)))
         for k in range(-1, count):
             pairs[0, waiting], pairs[1, waiting] = i, (partners[k] if k >= 0 else -1)
             waiting += 1
             if waiting < BATCH and (k + 1 < count or i + 1 < len(table)):
                 continue
-            if found + waiting > len(arcs):
-                arcs = np.concatenate((arcs, np.empty_like(arcs)))
-                values = np.concatenate((values, np.empty_like(values)))
             found += fit_pairs(
                 samples, table, moments, pairs[0], pairs[1], waiting, max_rms, max_size, min_share,
                 work, arcs[found:], values[found:],
