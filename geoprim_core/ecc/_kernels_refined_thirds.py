@@ -81,17 +81,31 @@ def write_rows(
 
 
 @inner_kernel
-def add_sums(
+def write_sums(
     rows: FloatArray, start: int, end: int, width: float, normal: FloatArray, right: FloatArray
 ) -> None:
-    """Add points start .. end - 1 to the normal matrix and right side of a weighted linear fit."""
-    for k in range(start, end):
-        ratio = rows[k, 5] / width
+    """Write the normal matrix and right side of a weighted linear fit to a part of the points."""
+    n00 = n10 = n11 = n20 = n21 = n22 = n30 = n31 = n32 = n33 = 0.0
+    n40 = n41 = n42 = n43 = n44 = r0 = r1 = r2 = r3 = r4 = 0.0
+    for k in range(start, end):  # scalars: an array is read and written for each point
+        a, b, c, d, e, f = (
+            rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4], rows[k, 5],
+        )  # fmt: skip
+        ratio = f / width
         weight = 1.0 / (1.0 + ratio * ratio)
-        for i in range(5):
-            right[i] -= weight * rows[k, i] * rows[k, 5]
-            for j in range(i + 1):
-                normal[i, j] += weight * rows[k, i] * rows[k, j]
+        wa, wb, wc, wd, we = weight * a, weight * b, weight * c, weight * d, weight * e
+        n00, n10, n11 = n00 + wa * a, n10 + wb * a, n11 + wb * b
+        n20, n21, n22 = n20 + wc * a, n21 + wc * b, n22 + wc * c
+        n30, n31, n32, n33 = n30 + wd * a, n31 + wd * b, n32 + wd * c, n33 + wd * d
+        n40, n41, n42, n43 = n40 + we * a, n41 + we * b, n42 + we * c, n43 + we * d
+        n44 += we * e
+        r0, r1, r2, r3, r4 = r0 - wa * f, r1 - wb * f, r2 - wc * f, r3 - wd * f, r4 - we * f
+    normal[0, 0], normal[1, 0], normal[1, 1] = n00, n10, n11
+    normal[2, 0], normal[2, 1], normal[2, 2] = n20, n21, n22
+    normal[3, 0], normal[3, 1], normal[3, 2], normal[3, 3] = n30, n31, n32, n33
+    normal[4, 0], normal[4, 1], normal[4, 2], normal[4, 3] = n40, n41, n42, n43
+    normal[4, 4] = n44
+    right[0], right[1], right[2], right[3], right[4] = r0, r1, r2, r3, r4
 
 
 @kernel
@@ -112,7 +126,7 @@ def prediction_error(points: FloatArray, chosen: IntArray, ellipse: FloatArray) 
     ends = (0, first, count - first, count)
     normals, rights = np.zeros((3, 5, 5)), np.zeros((3, 5))
     for part in range(3):
-        add_sums(rows, ends[part], ends[part + 1], width, normals[part], rights[part])
+        write_sums(rows, ends[part], ends[part + 1], width, normals[part], rights[part])
     worst = 0.0
     for part in range(3):
         third = rows[ends[part] : ends[part + 1]]
