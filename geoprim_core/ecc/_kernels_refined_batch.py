@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core._jit import inner_kernel, kernel, summing_kernel
 from geoprim_core.ecc._kernels_refined_conic import axes_of_conic, direct_conic, ellipse_of_conic
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
@@ -28,8 +28,7 @@ ONE, OTHER = 0, 25 * BATCH
 DX, DY, X, Y = 50 * BATCH, 51 * BATCH, 52 * BATCH, 53 * BATCH
 A, B, C, D, E, F = (54 * BATCH, 55 * BATCH, 56 * BATCH, 57 * BATCH, 58 * BATCH, 59 * BATCH)
 MAJOR, MINOR, GOOD = 60 * BATCH, 61 * BATCH, 62 * BATCH
-SQUARES = 63 * BATCH
-WORK = 64 * BATCH
+WORK = 63 * BATCH
 
 
 @kernel
@@ -155,32 +154,31 @@ def refuse_normals(
         work[GOOD + k] = work[GOOD + k] if good else 0.0
 
 
-@inner_kernel
+@summing_kernel
 def mean_square(samples: FloatArray, i: int, count: int, work: FloatArray, k: int) -> float:
     """Return the mean square distance of the first `count` samples of arc i to ellipse k.
 
     Sampson's distance: the conic's value over the length of its gradient.
     """
-    row = samples[np.uint64(i)]
+    xs, ys = samples[np.uint64(i), 0], samples[np.uint64(i), 1]
     a, b, c, d, e, f = (
         work[A + k], work[B + k], work[C + k], work[D + k], work[E + k], work[F + k],
     )  # fmt: skip
     x0, y0 = work[X + k], work[Y + k]
+    total = 0.0
     for s in range(SAMPLES):
-        x, y = row[0, s] - x0, row[1, s] - y0
+        x, y = xs[s] - x0, ys[s] - y0
         gx, gy = 2.0 * a * x + b * y + d, 2.0 * c * y + b * x + e
         value = 0.5 * (x * (gx + d) + y * (gy + e)) + f
         square = value * value / (gx * gx + gy * gy + TINY)
-        work[SQUARES + s] = square if s < count else 0.0
-    for s in range(4):
-        work[SQUARES + s] += work[SQUARES + s + 4] + work[SQUARES + s + 8]
-    total = work[SQUARES] + work[SQUARES + 1] + (work[SQUARES + 2] + work[SQUARES + 3])
-    return float(total / count)
+        total += square if s < count else 0.0
+    return total / count
 
 
 @inner_kernel
-def write_ellipse(work: FloatArray, k: int, out: FloatArray) -> None:
-    """Write ellipse k of a batch as a row."""
+def write_ellipse(work: FloatArray, k: int, values: FloatArray, found: int) -> None:
+    """Write ellipse k of a batch to a row of values, from the second on."""
+    out = values[found, 1:]
     ellipse_of_conic(
         work[A + k], work[B + k], work[C + k], work[D + k], work[E + k], work[F + k], out
     )
@@ -219,18 +217,20 @@ def fit_pairs(
     found = 0
     for k in range(size):
         worst = 0.0
-        for side in range(2):
-            i = first[k] if side == 0 else second[k]
+        for side in range(2):  # the shorter arc first: the fit follows the longer one
+            i = second[k] if side == 0 else first[k]
             if work[GOOD + k] > 0.0 and i >= 0:
                 count = min(SAMPLES, int(table[i, 18]))
                 worst = max(worst, mean_square(samples, i, count, work, k))
                 work[GOOD + k] = 1.0 if worst < max_rms * max_rms else 0.0
         if not work[GOOD + k] > 0.0:
             continue
-        if lengths[k] < min_share * perimeter_of(work[MAJOR + k], work[MINOR + k]):
+        major, minor = work[MAJOR + k], work[MINOR + k]
+        longest = math.pi * math.sqrt(2.0 * (major * major + minor * minor))  # of this perimeter
+        if lengths[k] < min_share * longest and lengths[k] < min_share * perimeter_of(major, minor):
             continue
         arcs[found, 0], arcs[found, 1] = first[k], second[k]
         values[found, 0] = lengths[k] / (0.15 + math.sqrt(worst))
-        write_ellipse(work, k, values[found, 1:])
+        write_ellipse(work, k, values, found)
         found += 1
     return found

@@ -11,7 +11,6 @@ from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_fit import offset_of
 from geoprim_core.ecc._kernels_refined_outline import ACROSS, Int32Array
 from geoprim_core.ecc._kernels_refined_places import outline_of
-from geoprim_core.ecc._kernels_refined_select import claim
 from geoprim_core.ecc._kernels_refined_support import doubt_of_clutter
 
 UNEXPLAINED = 60.0  # evidence lost for one unexplained crossing point a supporting one
@@ -62,20 +61,16 @@ def explain_crossings(
     ellipses: FloatArray,
     figures: FloatArray,
     offsets: IntArray,
-    accepted: IntArray,
-    reach: float,
+    claimed: BoolArray,
     least: float,
 ) -> FloatArray:
-    """Return the figures with the crossing points that no accepted ellipse claims.
+    """Return the figures with the crossing points that no accepted ellipse has claimed.
 
     Their evidence changes: what accepted ellipses explain is no clutter, what is left is, in
     proportion to the unsupported rest of the outline. An ellipse whose evidence is below `least`
     without any clutter is left as it is.
     """
-    claimed = np.zeros(len(points), np.bool_)
     stamp = np.zeros(len(points), np.int64)
-    for k in accepted:
-        claim(head, following, points, normals, ellipses[k], reach, claimed)
     result = figures.copy()
     for k in range(len(ellipses)):
         row = result[k]

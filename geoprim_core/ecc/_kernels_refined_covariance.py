@@ -25,6 +25,36 @@ BLUR_DOUBT = 0.75  # pixels^2, by which the variance of a picture's own blur is 
 
 
 @kernel
+def wave_sums(distances: FloatArray, rows: FloatArray, waves: int) -> FloatArray:
+    """Return the sums of derivatives (five) and of distances times cosine waves, flat.
+
+    Each is a row of `MOST_WAVES` numbers of one array, so that the waves of a point compile to
+    vector instructions: each takes its cosine from the two before, which it would wait for alone.
+    """
+    count = len(distances)
+    work = np.zeros(9 * MOST_WAVES)
+    now, before, double = 6 * MOST_WAVES, 7 * MOST_WAVES, 8 * MOST_WAVES
+    for w in range(waves):
+        work[double + w] = 2.0 * math.cos(math.pi * (w + 1) / count)
+        work[now + w] = work[before + w] = math.cos(0.5 * math.pi * (w + 1) / count)
+    for k in range(count):
+        d, r0, r1, r2, r3, r4 = (
+            distances[k], rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4],
+        )  # fmt: skip
+        for w in range(waves):
+            cosine = work[now + w]
+            work[w] += cosine * r0
+            work[MOST_WAVES + w] += cosine * r1
+            work[2 * MOST_WAVES + w] += cosine * r2
+            work[3 * MOST_WAVES + w] += cosine * r3
+            work[4 * MOST_WAVES + w] += cosine * r4
+            work[5 * MOST_WAVES + w] += cosine * d
+            work[now + w] = work[double + w] * cosine - work[before + w]
+            work[before + w] = cosine
+    return work
+
+
+@kernel
 def noise_of(
     distances: FloatArray, rows: FloatArray, inverse: FloatArray, smoothing: float
 ) -> float:
@@ -48,23 +78,14 @@ def noise_of(
     waves = min(waves, count // 3)
     power = USUAL_WAVES * USUAL_RATIO * smoothing * variance
     used = USUAL_WAVES
-    part = np.empty(5)
-    for wave in range(1, waves + 1):
-        part[:] = 0.0
-        value = 0.0
-        double = 2.0 * math.cos(math.pi * wave / count)
-        now = math.cos(0.5 * math.pi * wave / count)
-        before = now
-        for k in range(count):
-            value += now * distances[k]
-            for i in range(5):
-                part[i] += now * rows[k, i]
-            now, before = double * now - before, now
+    sums = wave_sums(distances, rows, waves)
+    for wave in range(waves):
         own = 0.5 * count
         for i in range(5):
             for j in range(5):
-                own -= part[i] * inverse[i, j] * part[j]
+                own -= sums[i * MOST_WAVES + wave] * inverse[i, j] * sums[j * MOST_WAVES + wave]
         if own > OWN_SHARE * 0.5 * count:
+            value = sums[5 * MOST_WAVES + wave]
             power += value * value / own
             used += 1.0
     return power / used * (1.0 + SMALL_SAMPLE / used)
@@ -83,7 +104,7 @@ def inverse_of(matrix: FloatArray) -> tuple[FloatArray, bool]:
 
 @kernel
 def covariance_of(
-    points: FloatArray, parameter: FloatArray, ellipse: FloatArray, width: float, smoothing: float
+    points: FloatArray, ellipse: FloatArray, width: float, smoothing: float
 ) -> FloatArray:
     """Return the covariance (5, 5) of an ellipse from the distances of its points, in order.
 
@@ -101,7 +122,10 @@ def covariance_of(
     slope = 0.0
     for k in range(count):
         d, nx, ny = offset_of(ellipse, cos, sin, points[k, 0], points[k, 1])
-        ct, st = math.cos(parameter[k]), math.sin(parameter[k])
+        dx, dy = points[k, 0] - ellipse[0], points[k, 1] - ellipse[1]
+        ct, st = (dx * cos + dy * sin) / a, (dy * cos - dx * sin) / b
+        inverse_length = 1.0 / math.sqrt(ct * ct + st * st + 1e-300)
+        ct, st = ct * inverse_length, st * inverse_length
         nu, nv = nx * cos + ny * sin, ny * cos - nx * sin
         row = rows[k]
         row[0], row[1], row[2], row[3] = nx, ny, ct * nu, st * nv
@@ -137,4 +161,5 @@ def covariance_of(
 @kernel
 def radius_at(nu: float, nv: float, a: float, b: float) -> float:
     """Return the radius of curvature of an ellipse where its unit normal is (nu, nv)."""
-    return float(a * a * b * b / (a * a * nu * nu + b * b * nv * nv) ** 1.5)
+    square = a * a * nu * nu + b * b * nv * nv
+    return a * a * b * b / (square * math.sqrt(square))

@@ -48,7 +48,7 @@ def neighbours_of(points: FloatArray, contour: IntArray) -> IntArray:
 
 @inner_kernel
 def continuing_share(
-    links: IntArray, stamp: IntArray, mark: int, chosen: IntArray, count: int
+    links: IntArray, stamp: Int32Array, mark: int, chosen: IntArray, count: int
 ) -> float:
     """Return the share of the ends of supporting runs at which the contour goes on elsewhere.
 
@@ -116,7 +116,7 @@ def is_end_crossed(
     place: int,
 ) -> bool:
     """Tell whether an edge runs across an outline near one of its places."""
-    ct, st = walk.places[place // 4, 0], walk.places[place // 4, 1]
+    ct, st = walk.places[0, place // 4], walk.places[1, place // 4]
     ct = ct if place % 2 == 0 else -ct
     st = st if place % 4 < 2 else -st
     a, b = ellipse[2], ellipse[3]

@@ -26,6 +26,21 @@ SETTLED = 0.002  # pixels, by which a settled ellipse moves in a round
 ALIGNED = 2.0  # d_0 of thesis (5-11)
 
 
+@inner_kernel
+def step_after(parameter: FloatArray, k: int, ellipse: FloatArray, least: float) -> float:
+    """Return the way in pixels from a support to the next, or a bound of it below `least`.
+
+    On a circle about the ellipse the way is longer. Few steps are gaps: for others that will do,
+    without functions of the angle.
+    """
+    last = k + 1 == len(parameter)
+    turn = parameter[0 if last else k + 1] - parameter[k] + (2.0 * math.pi if last else 0.0)
+    if turn * ellipse[2] <= least:
+        return float(turn * ellipse[2])
+    mid = parameter[k] + 0.5 * turn
+    return float(turn * math.hypot(ellipse[2] * math.sin(mid), ellipse[3] * math.cos(mid)))
+
+
 @kernel
 def support_inside(parameter: FloatArray, ellipse: FloatArray, gap: float) -> IntArray:
     """Return the indices of supports, at sorted parameters, that do not end an arc.
@@ -33,30 +48,23 @@ def support_inside(parameter: FloatArray, ellipse: FloatArray, gap: float) -> In
     Beside a gap of more than `gap` pixels another edge has drawn the points to its side. All are
     returned when too few would be left.
     """
-    a, b = ellipse[2], ellipse[3]
     count = len(parameter)
-    steps = np.empty(count)
-    for k in range(count):
-        turn = parameter[(k + 1) % count] - parameter[k]
-        turn += 2.0 * math.pi if k + 1 == count else 0.0
-        mid = parameter[k] + 0.5 * turn
-        steps[k] = turn * math.hypot(a * math.sin(mid), b * math.cos(mid))
     inner = np.ones(count, np.bool_)
     for k in range(count):
-        if steps[k] <= gap:
+        if step_after(parameter, k, ellipse, gap) <= gap:
             continue
         path = 0.0
         at = (k + 1) % count
         while path < TRIM:
             inner[at] = False
-            path += steps[at]
+            path += step_after(parameter, at, ellipse, 0.0)
             at = (at + 1) % count
         path = 0.0
         at = k
         while path < TRIM:
             inner[at] = False
             at = (at - 1) % count
-            path += steps[at]
+            path += step_after(parameter, at, ellipse, 0.0)
     kept = np.flatnonzero(inner)
     if len(kept) < max(LEAST_KEPT * count, LEAST_POINTS):
         return np.arange(count)
@@ -114,11 +122,10 @@ def gap_figures(parameter: FloatArray, ellipse: FloatArray) -> tuple[float, floa
     gaps = 0
     for k in range(count):
         t0, t1 = parameter[k], parameter[(k + 1) % count]
+        if step_after(parameter, k, ellipse, GAP) <= GAP:
+            continue
         if k + 1 == count:
             t1 += 2.0 * math.pi
-        mid = 0.5 * (t0 + t1)
-        if (t1 - t0) * math.hypot(a * math.sin(mid), b * math.cos(mid)) <= GAP:
-            continue
         seen = math.atan2(b * math.sin(t1), a * math.cos(t1))
         seen -= math.atan2(b * math.sin(t0), a * math.cos(t0))
         turn = math.atan2(a * math.sin(t1), b * math.cos(t1))
@@ -223,8 +230,7 @@ def finish(
         inner = moved[kept]
         width = refit_tightly(inner, ellipse, max_size, min_size)
         rows[s] = ellipse
-        turns = parameters_of(inner, ellipse)
-        covariances[s] = covariance_of(inner, turns, ellipse, width, smoothing)
+        covariances[s] = covariance_of(inner, ellipse, width, smoothing)
         saliency[s, 0], saliency[s, 2] = gap_figures(parameter, ellipse)
         saliency[s, 1] = alignment_of(points, order, ends, arc_of, chosen, ellipse, tally)
     return rows, covariances, saliency

@@ -1,4 +1,8 @@
-"""Kernels of the `refined` scheme: the walk along an outline, and the edge points on it."""
+"""Kernels of the `refined` scheme: the walk along an outline, and the edge points on it.
+
+The parts of a step are compiled into it: what they take would be passed array by array, each as
+seven numbers, which costs as much as a tenth of the step.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
-from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core._jit import inlined_kernel, inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_fit import offset_at
-from geoprim_core.ecc._kernels_refined_places import quarter_of
+from geoprim_core.ecc._kernels_refined_places import pixels_of, quarter_of
 
 Int8Array = npt.NDArray[np.int8]
 Int32Array = npt.NDArray[np.int32]
@@ -31,21 +35,26 @@ class Walk(NamedTuple):
 
     Attributes
     ----------
-    places : (n, 3) float64
+    places : (3, n) float64
         Of the first quarter, as `quarter_of` writes them.
     state : (4 n,) int8
         What each place is: `GAP`, `COVERED_PLACE` or `OUTSIDE`; place k of quarter s is at
         4 k + s, mirrored left and right in quarters 1 and 3, up and down in 2 and 3.
     seen : (2, m) int32
         Edge points and the place that each is around.
+    spots : (4, c) int32
+        Pixels of the places that are looked at together, a row a quarter; 0 outside the image.
     windows : (2, k) int32
         Pixels of places around which there are edge points, and these places.
     near : (H * W,) bool
         Whether one of the nine pixels around a pixel holds an edge point. The outermost pixels
         have no nine pixels and tell nothing.
     about : (4, m) float64
-        Of the points seen: position about the centre and normal. Then: what `weigh` makes of them.
-    along : (m,) int8
+        Of the fresh points: position about the centre and normal. Then: what `weigh` makes of them.
+    fresh : (m,) int32
+        Those of the points seen that were not seen before on this walk.
+    along : (m,) bool
+        Which of the fresh points support the ellipse.
     support : (3, N) float64
         Supporting points: see `_kernels_refined_refit`.
     """
@@ -53,10 +62,12 @@ class Walk(NamedTuple):
     places: FloatArray
     state: Int8Array
     seen: Int32Array
+    spots: Int32Array
     windows: Int32Array
     near: BoolArray
     about: FloatArray
-    along: Int8Array
+    fresh: Int32Array
+    along: BoolArray
     support: FloatArray
 
 
@@ -69,7 +80,7 @@ def pixels_near(head: Int32Array) -> BoolArray:
     for y in range(height):
         line, row = head[y], rows[y % 3]
         for x in range(1, width - 1):
-            row[x] = (line[x - 1] >= 0) | (line[x] >= 0) | (line[x + 1] >= 0)
+            row[x] = (line[x - 1] & line[x] & line[x + 1]) >= 0  # not all -1
         if y >= 2:
             out = near[y - 1]
             for x in range(1, width - 1):
@@ -85,13 +96,15 @@ def new_walk(head: Int32Array, longest: float, total: int) -> Walk:
     """
     quarter = 2 * int(longest) + 16
     return Walk(
-        np.empty((quarter, 3)),
+        np.empty((3, quarter)),
         np.empty(4 * quarter, np.int8),
         np.empty((2, 4 * CHUNK * WINDOW + 1), np.int32),
+        np.empty((4, CHUNK), np.int32),
         np.empty((2, 4 * CHUNK + 1), np.int32),
         pixels_near(head),
         np.empty((4, 4 * CHUNK * WINDOW + 1)),
-        np.empty(4 * CHUNK * WINDOW + 1, np.int8),
+        np.empty(4 * CHUNK * WINDOW + 1, np.int32),
+        np.empty(4 * CHUNK * WINDOW + 1, np.bool_),
         np.empty((3, total + 1)),
     )
 
@@ -104,18 +117,17 @@ def look(flat: Int32Array, corner: int, width: int, place: int, seen: Int32Array
     on, which is returned, grown. Every pixel is written and kept or not: whether it holds an edge
     is a coin toss, which a branch loses.
     """
-    kept = np.uint64(size)
     for row in range(3):
         at = np.uint64(corner + row * width)
         for column in range(3):
             p = flat[at + np.uint64(column)]
-            seen[0, kept] = p
-            seen[1, kept] = place
-            kept += np.uint64(p >= 0)
-    return int(kept)
+            seen[0, np.uint64(size)] = p
+            seen[1, np.uint64(size)] = place
+            size += p >= 0
+    return size
 
 
-@inner_kernel
+@inlined_kernel
 def find_windows(
     head: Int32Array,
     ellipse: FloatArray,
@@ -132,55 +144,78 @@ def find_windows(
     were noted. There are no branches, for the reason that `look` gives.
     """
     height, width = head.shape
-    x0, y0, a, b = ellipse[0] + 0.5, ellipse[1] + 0.5, ellipse[2], ellipse[3]
-    noted = np.uint64(0)
-    inside = 0
+    pixels_of(walk.places, first, last, ellipse, cos, sin, width, height, walk.spots)
+    noted = inside = 0
     turn = 0.0
     for k in range(first, last):
-        u, v = a * walk.places[k, 0], b * walk.places[k, 1]
-        uc, us, vc, vs = u * cos, u * sin, v * cos, v * sin
+        sides = 0
         for side in range(4):
-            left, up = side % 2 == 1, side >= 2
-            x = x0 + (-uc if left else uc) - (-vs if up else vs)
-            y = y0 + (-us if left else us) + (-vc if up else vc)
-            within = (x >= 1.0) & (y >= 1.0) & (x < width - 1.0) & (y < height - 1.0)
-            at = np.int32(y if within else 0.0) * width + np.int32(x if within else 0.0)
-            walk.state[4 * k + side] = GAP if within else OUTSIDE
-            inside += within
-            turn += walk.places[k, 2] if within else 0.0
-            walk.windows[0, noted] = at
-            walk.windows[1, noted] = 4 * k + side
-            noted += np.uint64(walk.near[np.uint64(at)] & within)
+            at = walk.spots[side, k - first]
+            walk.state[4 * k + side] = GAP if at > 0 else OUTSIDE
+            sides += at > 0
+            walk.windows[0, np.uint64(noted)] = at
+            walk.windows[1, np.uint64(noted)] = 4 * k + side
+            noted += walk.near[np.uint64(at)]
+        inside += sides
+        turn += sides * walk.places[2, k]
     sums[STEPS] += 4.0 * (last - first)
     sums[IN_FRAME] += inside
     sums[TURN] += turn
-    return int(noted)
+    return noted
 
 
-@inner_kernel
-def weigh(walk: Walk, size: int, ellipse: FloatArray, cos: float, sin: float, reach: float,
-          min_cos: float, polarity: int) -> None:  # fmt: skip
-    """Tell of the points gathered which support an ellipse (1) and which cross its outline (2).
+@inlined_kernel
+def pick_new(stamp: Int32Array, mark: int, walk: Walk, size: int) -> int:
+    """Write to `walk.fresh` those of the points noted that no place before had; return how many.
 
-    Writes the square of the distance over the position, and that of the sine of the angle between
-    gradient and normal. The body has no branches, so that it compiles to vector instructions.
+    A point is around several places, and judged once.
+    """
+    fresh = 0
+    for k in range(size):
+        p = walk.seen[0, k]
+        at = np.uint64(p)
+        known = stamp[at]
+        walk.fresh[np.uint64(fresh)] = p
+        fresh += (known != mark) & (known != -mark)
+        stamp[at] = known if known == -mark else mark
+    return fresh
+
+
+@inlined_kernel
+def weigh(
+    points: FloatArray, normals: FloatArray, walk: Walk, size: int, ellipse: FloatArray, cos: float,
+    sin: float, reach: float, min_cos: float, polarity: int,
+) -> int:  # fmt: skip
+    """Tell of the fresh points which support an ellipse; return how many cross its outline.
+
+    Writes for those that support it the square of the distance over the position, and that of the
+    sine of the angle between gradient and normal, for others zeros. The body of the second loop
+    has no branches, so that it compiles to vector instructions.
     """
     dx, dy, across_x, across_y = walk.about[0], walk.about[1], walk.about[2], walk.about[3]
     along = walk.along
+    x0, y0 = ellipse[0], ellipse[1]
+    for k in range(size):
+        at = np.uint64(walk.fresh[k])
+        dx[k], dy[k] = points[at, 0] - x0, points[at, 1] - y0
+        across_x[k], across_y[k] = normals[at, 0], normals[at, 1]
     flat, steep = 1.0 / (ellipse[2] * ellipse[2]), 1.0 / (ellipse[3] * ellipse[3])
+    crossing = 0
     for k in range(size):
         d, nx, ny = offset_at(dx[k], dy[k], cos, sin, flat, steep)
         dot = -(nx * across_x[k] + ny * across_y[k])
         right = (polarity == 0) | (dot * polarity > 0.0)
         across = abs(dot) < ACROSS
         good = (abs(dot) >= min_cos) & right & (abs(d) <= reach) & (not across)
-        dx[k] = d * d
+        dx[k] = d * d if good else 0.0
         # Rounding can make an exact normal longer than one: no root of that below.
-        dy[k] = max(0.0, 1.0 - dot * dot)
-        along[k] = (1 if good else 0) + (2 if across else 0)
+        dy[k] = max(0.0, 1.0 - dot * dot) if good else 0.0
+        along[k] = good
+        crossing += across
+    return crossing
 
 
-@inner_kernel
+@inlined_kernel
 def judge_points(
     following: Int32Array,
     points: FloatArray,
@@ -191,7 +226,7 @@ def judge_points(
     reach: float,
     min_cos: float,
     polarity: int,
-    stamp: IntArray,
+    stamp: Int32Array,
     mark: int,
     walk: Walk,
     size: int,
@@ -207,29 +242,23 @@ def judge_points(
     squares = turned_sum = 0.0
     crossing = 0
     while size > 0:
+        fresh = pick_new(stamp, mark, walk, size)
+        crossing += weigh(points, normals, walk, fresh, ellipse, cos, sin, reach, min_cos, polarity)
+        for k in range(fresh):
+            p, good = walk.fresh[k], walk.along[k]
+            stamp[np.uint64(p)] = mark if good else -mark
+            chosen[np.uint64(count)] = p
+            count += good
+            squares += walk.about[0, k]
+            turned_sum += walk.about[1, k]
+        left = 0
         for k in range(size):
-            at = np.uint64(walk.seen[0, k])
-            walk.about[0, k] = points[at, 0] - ellipse[0]
-            walk.about[1, k] = points[at, 1] - ellipse[1]
-            walk.about[2, k], walk.about[3, k] = normals[at, 0], normals[at, 1]
-        weigh(walk, size, ellipse, cos, sin, reach, min_cos, polarity)
-        left = np.uint64(0)
-        for k in range(size):
-            p, place = walk.seen[0, k], walk.seen[1, k]
-            at = np.uint64(p)
-            good = walk.along[k] == 1
-            new = (stamp[at] != mark) & (stamp[at] != -mark)
-            stamp[at] = mark if good else -mark
-            walk.state[np.uint64(place)] |= good
-            crossing += new & (walk.along[k] == 2)
-            chosen[count] = p
-            count += good & new
-            squares += walk.about[0, k] if good & new else 0.0
-            turned_sum += walk.about[1, k] if good & new else 0.0
-            walk.seen[0, left] = following[at]
-            walk.seen[1, left] = place
-            left += np.uint64(following[at] >= 0)
-        size = int(left)
+            at, place = np.uint64(walk.seen[0, k]), walk.seen[1, k]
+            walk.state[np.uint64(place)] |= stamp[at] == mark
+            walk.seen[0, np.uint64(left)] = following[at]
+            walk.seen[1, np.uint64(left)] = place
+            left += following[at] >= 0
+        size = left
     sums[SQUARES] += squares
     sums[TURNED] += turned_sum
     sums[CROSSING] += crossing
@@ -249,7 +278,7 @@ def add_support(
     reach: float,
     min_cos: float,
     polarity: int,
-    stamp: IntArray,
+    stamp: Int32Array,
     mark: int,
     chosen: IntArray,
     count: int,
@@ -277,11 +306,16 @@ def add_support(
             following, points, normals, ellipse, cos, sin, reach, min_cos, polarity, stamp, mark,
             walk, size, chosen, count, sums,
         )  # fmt: skip
+        covered = 0
+        turn = 0.0
         for k in range(first, last):
+            sides = 0
             for side in range(4):
-                covered = walk.state[4 * k + side] == COVERED_PLACE
-                sums[COVERED] += covered
-                sums[TURN_COVERED] += covered * walk.places[k, 2]
+                sides += walk.state[4 * k + side] == COVERED_PLACE
+            covered += sides
+            turn += sides * walk.places[2, k]
+        sums[COVERED] += covered
+        sums[TURN_COVERED] += turn
     return count
 
 
@@ -296,7 +330,7 @@ def collect(
     reach: float,
     min_cos: float,
     polarity: int,
-    stamp: IntArray,
+    stamp: Int32Array,
     mark: int,
     walk: Walk,
     chosen: IntArray,

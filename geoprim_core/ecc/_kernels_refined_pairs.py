@@ -13,6 +13,7 @@ from geoprim_core.ecc._kernels_refined_batch import BATCH, WORK, fit_pairs, samp
 CLASS_RATIO = 1.5  # longest over shortest arc of one class of lengths
 LEAST_CELL = 16.0  # pixels
 LEVEL = 1e-4  # a border of a search region that rises less is taken as level
+ROOM = 16384  # candidates before there has to be made more
 CELL_ARCS = 2.0  # side of a cell in mean distances of arcs
 
 
@@ -237,11 +238,11 @@ def pair_arcs(
     at. The work: the pairs looked at, those that there were (rather more than too few) and the
     share asked for to keep within `max_pairs`. The arcs come longest first.
     """
-    arcs = np.empty((1024, 2), np.int64)
-    values = np.empty((1024, 6))
+    arcs = np.empty((ROOM, 2), np.int64)
+    values = np.empty((ROOM, 6))
     found = looked = own = 0
     if len(table) == 0:
-        return arcs[:0].copy(), values[:0].copy(), 0, 0.0, min_share
+        return arcs[:0], values[:0], 0, 0.0, min_share
     classes = length_classes(table)
     grid, starts, members, area = grid_of(table, classes)
     share, every = admitted_share(table, classes, grid, area, min_share, max_pairs)
@@ -261,17 +262,35 @@ def pair_arcs(
             max_pairs - looked, partners,
         )  # fmt: skip
         looked += more
+        # Here and not below: a loop that may replace arrays counts references in each round.
+        while found + waiting + count + 1 > len(arcs):
+            arcs = np.concatenate((arcs, np.empty_like(arcs)))
+            values = np.concatenate((values, np.empty_like(values)))
         for k in range(-1, count):
             pairs[0, waiting], pairs[1, waiting] = i, (partners[k] if k >= 0 else -1)
             waiting += 1
             if waiting < BATCH and (k + 1 < count or i + 1 < len(table)):
                 continue
-            if found + waiting > len(arcs):
-                arcs = np.concatenate((arcs, np.empty_like(arcs)))
-                values = np.concatenate((values, np.empty_like(values)))
             found += fit_pairs(
                 samples, table, moments, pairs[0], pairs[1], waiting, max_rms, max_size, min_share,
                 work, arcs[found:], values[found:],
             )  # fmt: skip
             waiting = 0
-    return arcs[:found].copy(), values[:found].copy(), looked, every, share
+    return arcs[:found], values[:found], looked, every, share
+
+
+@kernel
+def arranged(
+    arcs: IntArray, values: FloatArray, order: IntArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return the arcs, ranks and ellipses of candidates in the given order."""
+    pairs = np.empty((len(order), 2), np.int64)
+    ranks = np.empty(len(order))
+    ellipses = np.empty((len(order), 5))
+    for k in range(len(order)):
+        at = np.uint64(order[k])
+        pairs[k, 0], pairs[k, 1] = arcs[at, 0], arcs[at, 1]
+        ranks[k] = values[at, 0]
+        for column in range(5):
+            ellipses[k, column] = values[at, column + 1]
+    return pairs, ranks, ellipses

@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from geoprim_core._check import FloatArray
 from geoprim_core._jit import inner_kernel, kernel
+
+Int32Array = npt.NDArray[np.int32]
 
 SKETCH = 18  # places of a quarter that serve a first look
 SKETCHES = 64  # as many ratios of the semi-axes
@@ -15,13 +18,13 @@ GLANCES = (5, 9, SKETCH)  # as many of them make a first glance, half a look, a 
 
 
 def _sketches() -> FloatArray:
-    """Return equally spaced places of a quarter (SKETCHES, SKETCH, 3), every fourth one first.
+    """Return equally spaced places of a quarter (SKETCHES, 3, SKETCH), every fourth one first.
 
-    The columns are those of `quarter_of`. A part of them from the first on is spread over the
+    The rows are those of `quarter_of`. A part of them from the first on is spread over the
     whole quarter: with mirror images, over the outline.
     """
     t = np.linspace(0.0, 0.5 * np.pi, 1025)
-    table = np.empty((SKETCHES, SKETCH, 3))
+    table = np.empty((SKETCHES, 3, SKETCH))
     order = np.concatenate([np.arange(first, SKETCH, 4) for first in (1, 3, 0, 2)])
     for k in range(SKETCHES):
         ratio = (k + 0.5) / SKETCHES
@@ -29,8 +32,8 @@ def _sketches() -> FloatArray:
         path = np.concatenate(([0.0], np.cumsum(0.5 * (pace[1:] + pace[:-1]))))
         at = np.interp(np.arange(2 * SKETCH + 1) * path[-1] / (2 * SKETCH), path, t)
         c, s, dt = np.cos(at[1::2]), np.sin(at[1::2]), np.diff(at[::2])
-        places = np.stack((c, s, ratio * dt / (s * s + ratio * ratio * c * c)), axis=1)
-        table[k] = places[order]
+        places = np.stack((c, s, ratio * dt / (s * s + ratio * ratio * c * c)))
+        table[k] = places[:, order]
     return table
 
 
@@ -53,18 +56,27 @@ def quarter_of(a: float, b: float, stride: float, places: FloatArray) -> int:
     Of each: cosine and sine of the parameter, and the turn of the normal over the step that it is
     amidst. Returns how many they are. The way to the next place is half of this step and half of
     the next, which is extrapolated: a root and a division a place are what the walk waits for.
+    What it need not wait for is put aside: `turned` without its division makes (c, s) longer, by
+    how much is kept.
     """
     count = 0
     last = min(0.5, stride / b)
     c, s = turned(1.0, 0.0, 0.5 * last)
-    while count < len(places):
-        inverse = 1.0 / (a * a * s * s + b * b * c * c)
-        dt = min(0.5, stride * math.sqrt(inverse))
+    length = 1.0
+    while count < places.shape[1]:
+        square = a * a * s * s + b * b * c * c
+        dt = min(0.5, stride * length / math.sqrt(square))
         if c <= -0.5 * dt * s:  # the step begins beyond the quarter
             break
-        places[count, 0], places[count, 1] = c, s
-        places[count, 2] = a * b * dt * inverse
-        c, s = turned(c, s, dt + 0.5 * (dt - last))
+        inverse = 1.0 / length
+        places[0, count], places[1, count] = c * inverse, s * inverse
+        places[2, count] = a * b * dt * length * length / square
+        half = 0.75 * dt - 0.25 * last
+        c, s = (
+            c * (1.0 - half * half) - s * (2.0 * half),
+            s * (1.0 - half * half) + c * (2.0 * half),
+        )
+        length *= 1.0 + half * half
         last = dt
         count += 1
     return count
@@ -77,10 +89,35 @@ def sketch_of(a: float, b: float, places: FloatArray) -> int:
     They come from a table of ratios: where exactly on the outline the places lie does not matter.
     """
     row = min(SKETCHES - 1, int(SKETCHES * b / a))
-    for k in range(SKETCH):
-        for column in range(3):
-            places[k, column] = _SKETCHES[row, k, column]
+    for what in range(3):
+        for k in range(SKETCH):
+            places[what, k] = _SKETCHES[row, what, k]
     return SKETCH
+
+
+@inner_kernel
+def pixels_of(
+    places: FloatArray, first: int, last: int, ellipse: FloatArray, cos: float, sin: float,
+    width: int, height: int, spots: Int32Array,
+) -> None:  # fmt: skip
+    """Write the flat indices of the pixels of the places first .. last - 1, a row a quarter.
+
+    They are mirrored left and right in quarters 1 and 3, up and down in 2 and 3. Outside the
+    image, and on its border, where a pixel has no nine around it, the index is 0. The body of the
+    loop has no branches, so that it compiles to vector instructions.
+    """
+    right, bottom = width - 1.0, height - 1.0
+    x0, y0 = ellipse[0] + 0.5, ellipse[1] + 0.5
+    c, s = places[0, first:last], places[1, first:last]
+    for side in range(4):
+        a = -ellipse[2] if side % 2 == 1 else ellipse[2]
+        b = -ellipse[3] if side >= 2 else ellipse[3]
+        row = spots[side]
+        for k in range(last - first):
+            u, v = a * c[k], b * s[k]
+            x, y = x0 + u * cos - v * sin, y0 + u * sin + v * cos
+            within = (x >= 1.0) & (y >= 1.0) & (x < right) & (y < bottom)
+            row[k] = np.int32(y if within else 0.0) * width + np.int32(x if within else 0.0)
 
 
 @kernel
@@ -89,11 +126,11 @@ def outline_of(a: float, b: float, stride: float) -> FloatArray:
 
     The four quarters mirror each other, so that no direction of the walk is preferred.
     """
-    quarter = np.empty((int((a + b) / stride) + 8, 3))
+    quarter = np.empty((3, int((a + b) / stride) + 8))
     count = quarter_of(a, b, stride, quarter)
     places = np.empty((4 * count, 2))
     for k in range(count):
-        c, s = quarter[k, 0], quarter[k, 1]
+        c, s = quarter[0, k], quarter[1, k]
         places[k, 0], places[k, 1] = c, s
         places[2 * count - 1 - k, 0], places[2 * count - 1 - k, 1] = -c, s
         places[2 * count + k, 0], places[2 * count + k, 1] = -c, -s

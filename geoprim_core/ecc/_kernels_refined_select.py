@@ -10,6 +10,7 @@ from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_fit import offset_of
 from geoprim_core.ecc._kernels_refined_outline import ACROSS, Int32Array
+from geoprim_core.ecc._kernels_refined_places import outline_of
 from geoprim_core.fitting._kernels_overlap import overlap_bound, overlap_of
 
 PROBES = 32
@@ -23,7 +24,7 @@ CLOSE = 0.4  # pixels, its largest scatter
 WEAK, CLAIMED, TWIN, CHOSEN = range(4)
 
 
-@inner_kernel
+@kernel
 def claim(
     head: Int32Array,
     following: Int32Array,
@@ -36,13 +37,12 @@ def claim(
     """Mark the edge points within `reach` of an outline that do not cross it."""
     height, width = head.shape
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    a, b = ellipse[2], ellipse[3]
     band = int(math.ceil(reach))
-    ct, st, t = 1.0, 0.0, 0.0
-    while t < 2.0 * math.pi:
-        norm = math.sqrt(a * a * st * st + b * b * ct * ct)
-        px = int(math.floor(ellipse[0] + a * ct * cos - b * st * sin + 0.5))
-        py = int(math.floor(ellipse[1] + a * ct * sin + b * st * cos + 0.5))
+    places = outline_of(ellipse[2], ellipse[3], 2.0)
+    for k in range(len(places)):
+        u, v = ellipse[2] * places[k, 0], ellipse[3] * places[k, 1]
+        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
+        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
         for y in range(max(0, py - band), min(height, py + band + 1)):
             for x in range(max(0, px - band), min(width, px + band + 1)):
                 p = head[y, x]
@@ -52,12 +52,6 @@ def claim(
                         dot = abs(nx * normals[p, 0] + ny * normals[p, 1])
                         claimed[p] = abs(d) <= reach and dot >= ACROSS
                     p = following[p]
-        dt = min(0.5, 2.0 / norm)
-        t += dt
-        half = 0.5 * dt
-        grow = 1.0 / (1.0 + half * half)
-        cd, sd = (1.0 - half * half) * grow, 2.0 * half * grow
-        ct, st = ct * cd - st * sd, st * cd + ct * sd
 
 
 @inner_kernel
@@ -134,12 +128,12 @@ def select(
     least: float,
     most: float,
     woven: float,
-) -> tuple[IntArray, IntArray]:
+) -> tuple[IntArray, IntArray, BoolArray]:
     """Choose greedily the ellipse with the strongest support that no chosen one has claimed.
 
     Strength is the unclaimed supported length, times the root of the coverage, less for scatter.
     It only falls: in a heap only what comes to the top is looked at again.
-    Returns the chosen in order, and what became of each ellipse.
+    Returns the chosen in order, what became of each ellipse, and which points are claimed.
     """
     count = len(ellipses)
     claimed = np.zeros(len(points), np.bool_)
@@ -182,4 +176,4 @@ def select(
             size -= 1
             heap[0] = heap[size]
         sink(heap, size, 0, value)
-    return chosen[:found].copy(), outcome
+    return chosen[:found].copy(), outcome, claimed

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
@@ -13,7 +11,25 @@ from geoprim_core.ecc._kernels_refined_outline import Int32Array
 ALIKE = 1.0  # pixels between the width of a line here and its typical width
 DOUBTED = 5.0  # points without a mate that each contour is given: short ones have mates by chance
 FOLLOWED = 5.0  # points with a mate that it is given in an image of lines
+BLOCK = 64  # points that mates are looked for together
 FOLLOWING = 0.1  # share of mates from which a contour is a line in an image of lines
+
+
+@inner_kernel
+def spots_along(
+    rows: FloatArray, count: int, far: float, width: int, height: int, spots: Int32Array
+) -> None:
+    """Write the flat indices of the pixels `far` along the normals of some points, -1 outside.
+
+    `rows` are x, y and the normal. The body has no branches, so that it compiles to vector
+    instructions.
+    """
+    xs, ys, across_x, across_y = rows[0], rows[1], rows[2], rows[3]
+    for k in range(count):
+        x, y = xs[k] + far * across_x[k] + 0.5, ys[k] + far * across_y[k] + 0.5
+        within = (x >= 0.0) & (y >= 0.0) & (x < width) & (y < height)
+        spot = np.int32(y if within else 0.0) * width + np.int32(x if within else 0.0)
+        spots[k] = spot if within else -1
 
 
 @kernel
@@ -27,29 +43,72 @@ def find_mates(
     """Return for every edge point the signed distance to the nearest opposite edge, else 0.
 
     The mate lies within `reach` pixels along the gradient (positive: on the bright side, negative:
-    on the dark side), its gradient points the other way.
+    on the dark side), its gradient points the other way. The points found are kept or not without
+    a branch, as most pixels hold none.
     """
     height, width = head.shape
-    total = len(points)
+    flat = head.reshape(head.size)
+    total, steps = len(points), int(reach)
     gaps = np.zeros(total)
-    for k in range(total):
-        best = reach
-        for side in (-1.0, 1.0):
-            for step in range(1, int(reach) + 1):
-                x = int(math.floor(points[k, 0] + side * step * normals[k, 0] + 0.5))
-                y = int(math.floor(points[k, 1] + side * step * normals[k, 1] + 0.5))
-                if x < 0 or y < 0 or x >= width or y >= height:
-                    break
-                p = head[y, x]
-                while p >= 0:
-                    dx, dy = points[p, 0] - points[k, 0], points[p, 1] - points[k, 1]
-                    along = dx * normals[k, 0] + dy * normals[k, 1]
-                    dot = normals[p, 0] * normals[k, 0] + normals[p, 1] * normals[k, 1]
-                    if dot < -0.9 and along * side > 0.5 and abs(along) < best:
-                        best = abs(along)
-                        gaps[k] = along
-                    p = following[p]
+    spots = np.empty((2 * steps, BLOCK), np.int32)
+    found = np.empty((2, 2 * steps * BLOCK + 1), np.int32)
+    nearest, rows = np.empty(BLOCK), np.empty((4, BLOCK))
+    for first in range(0, total, BLOCK):
+        last = min(first + BLOCK, total)
+        for k in range(last - first):
+            rows[0, k], rows[1, k] = points[first + k, 0], points[first + k, 1]
+            rows[2, k], rows[3, k] = normals[first + k, 0], normals[first + k, 1]
+        for row in range(2 * steps):
+            far = -1 - row if row < steps else row - steps + 1
+            spots_along(rows, last - first, float(far), width, height, spots[row])
+        size = 0
+        for k in range(last - first):
+            nearest[k] = reach
+            for row in range(2 * steps):
+                at = spots[row, k]
+                p = flat[np.uint64(max(at, 0))]
+                found[0, np.uint64(size)] = p
+                found[1, np.uint64(size)] = k if row >= steps else -1 - k
+                size += (at >= 0) & (p >= 0)
+        for m in range(size):
+            p, code = found[0, m], found[1, m]
+            k = code if code >= 0 else -1 - code
+            side = 1.0 if code >= 0 else -1.0
+            x, y, nx, ny = rows[0, k], rows[1, k], rows[2, k], rows[3, k]
+            while p >= 0:
+                at = np.uint64(p)
+                dx, dy = points[at, 0] - x, points[at, 1] - y
+                along = dx * nx + dy * ny
+                dot = normals[at, 0] * nx + normals[at, 1] * ny
+                nearer = (dot < -0.9) & (along * side > 0.5) & (abs(along) < nearest[k])
+                nearest[k] = abs(along) if nearer else nearest[k]
+                gaps[first + k] = along if nearer else gaps[first + k]
+                p = following[at]
     return gaps
+
+
+@kernel
+def count_sides(gaps: FloatArray, offsets: IntArray, fewest: int) -> tuple[int, int, int]:
+    """Count the points of contours of `fewest` or more: with a mate darker, brighter, and all."""
+    dark = bright = total = 0
+    for c in range(len(offsets) - 1):
+        own = gaps[offsets[c] : offsets[c + 1]]
+        if len(own) < fewest:
+            continue
+        total += len(own)
+        for gap in own:
+            dark += gap < 0.0
+            bright += gap > 0.0
+    return dark, bright, total
+
+
+@kernel
+def contour_of_points(offsets: IntArray) -> IntArray:
+    """Return for each point the contour that it is on."""
+    contour = np.empty(offsets[-1], np.int64)
+    for c in range(len(offsets) - 1):
+        contour[offsets[c] : offsets[c + 1]] = c
+    return contour
 
 
 @inner_kernel

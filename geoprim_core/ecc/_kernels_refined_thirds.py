@@ -17,49 +17,95 @@ LEAST_WIDTH = 0.05  # pixels, of the weights
 STIFFNESS = 0.05  # points at a pixel's distance that hold the ellipse where its support does not
 
 
-@kernel
-def write_rows(points: FloatArray, chosen: IntArray, ellipse: FloatArray, rows: FloatArray) -> None:
-    """Write of each point the five derivatives of its distance, the distance, and its parameter.
+@inner_kernel
+def write_frame(
+    points: FloatArray, chosen: IntArray, ellipse: FloatArray, frame: FloatArray
+) -> None:
+    """Write of each point its position where the ellipse is the unit circle, and its turn.
 
-    In the frame where the ellipse is the unit circle the conic has five free coefficients, as in
-    `refit`; the distance in pixels is Sampson's.
+    The turn stands for the angle from the major axis: it rises with it from -pi to pi, is the same
+    at multiples of pi/2, and takes no arc tangent.
     """
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
     ia, ib = 1.0 / ellipse[2], 1.0 / ellipse[3]
     for k in range(len(chosen)):
-        dx, dy = points[chosen[k], 0] - ellipse[0], points[chosen[k], 1] - ellipse[1]
+        at = np.uint64(chosen[k])
+        dx, dy = points[at, 0] - ellipse[0], points[at, 1] - ellipse[1]
         u, v = (dx * cos + dy * sin) * ia, (dy * cos - dx * sin) * ib
-        inverse = 0.5 / math.sqrt(u * u * ia * ia + v * v * ib * ib + 1e-300)
-        rows[k, 0], rows[k, 1], rows[k, 2] = u * u * inverse, u * v * inverse, v * v * inverse
-        rows[k, 3], rows[k, 4] = u * inverse, v * inverse
-        rows[k, 5] = (u * u + v * v - 1.0) * inverse
-        rows[k, 6] = math.atan2(v, u)
+        frame[0, k], frame[1, k] = u, v
+        part = v / (abs(u) + abs(v) + 1e-300)
+        beyond = 2.0 - part if v >= 0.0 else -2.0 - part
+        frame[2, k] = 0.5 * math.pi * (part if u >= 0.0 else beyond)
 
 
 @inner_kernel
-def after_largest_gap(angles: FloatArray, order: IntArray) -> int:
-    """Return the place in the order of the angles that follows their largest gap."""
+def after_largest_gap(frame: FloatArray, order: IntArray) -> int:
+    """Return the place in the order of the points that follows the largest gap of their angles.
+
+    Gaps are compared by what rises with them from -1 to 3: their cosine turned about.
+    """
     count = len(order)
-    place, widest = 0, angles[order[0]] - angles[order[count - 1]] + 2.0 * math.pi
-    for m in range(1, count):
-        gap = angles[order[m]] - angles[order[m - 1]]
+    place, widest = 0, -math.inf
+    for m in range(count):
+        i, j = order[m - 1 if m > 0 else count - 1], order[m]
+        dot = frame[0, i] * frame[0, j] + frame[1, i] * frame[1, j]
+        lengths = (frame[0, i] * frame[0, i] + frame[1, i] * frame[1, i]) * (
+            frame[0, j] * frame[0, j] + frame[1, j] * frame[1, j]
+        )
+        cosine = dot / math.sqrt(lengths + 1e-300)
+        turn = frame[2, j] - frame[2, i] + (2.0 * math.pi if m == 0 else 0.0)
+        gap = 2.0 + cosine if turn > math.pi else -cosine
         if gap > widest:
             place, widest = m, gap
     return place
 
 
 @inner_kernel
-def add_sums(
+def write_rows(
+    frame: FloatArray, order: IntArray, start: int, ellipse: FloatArray, rows: FloatArray
+) -> None:
+    """Write of each point the five derivatives of its distance, and the distance.
+
+    In the given order from `start` on, all around. In the frame where the ellipse is the unit
+    circle the conic has five free coefficients, as in `refit`; the distance in pixels is Sampson's.
+    """
+    ia, ib = 1.0 / ellipse[2], 1.0 / ellipse[3]
+    count = len(order)
+    for m in range(count):
+        k = np.uint64(order[m + start if m + start < count else m + start - count])
+        u, v = frame[0, k], frame[1, k]
+        inverse = 0.5 / math.sqrt(u * u * ia * ia + v * v * ib * ib + 1e-300)
+        rows[m, 0], rows[m, 1], rows[m, 2] = u * u * inverse, u * v * inverse, v * v * inverse
+        rows[m, 3], rows[m, 4] = u * inverse, v * inverse
+        rows[m, 5] = (u * u + v * v - 1.0) * inverse
+
+
+@inner_kernel
+def write_sums(
     rows: FloatArray, start: int, end: int, width: float, normal: FloatArray, right: FloatArray
 ) -> None:
-    """Add points start .. end - 1 to the normal matrix and right side of a weighted linear fit."""
-    for k in range(start, end):
-        ratio = rows[k, 5] / width
+    """Write the normal matrix and right side of a weighted linear fit to a part of the points."""
+    n00 = n10 = n11 = n20 = n21 = n22 = n30 = n31 = n32 = n33 = 0.0
+    n40 = n41 = n42 = n43 = n44 = r0 = r1 = r2 = r3 = r4 = 0.0
+    for k in range(start, end):  # scalars: an array is read and written for each point
+        a, b, c, d, e, f = (
+            rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4], rows[k, 5],
+        )  # fmt: skip
+        ratio = f / width
         weight = 1.0 / (1.0 + ratio * ratio)
-        for i in range(5):
-            right[i] -= weight * rows[k, i] * rows[k, 5]
-            for j in range(i + 1):
-                normal[i, j] += weight * rows[k, i] * rows[k, j]
+        wa, wb, wc, wd, we = weight * a, weight * b, weight * c, weight * d, weight * e
+        n00, n10, n11 = n00 + wa * a, n10 + wb * a, n11 + wb * b
+        n20, n21, n22 = n20 + wc * a, n21 + wc * b, n22 + wc * c
+        n30, n31, n32, n33 = n30 + wd * a, n31 + wd * b, n32 + wd * c, n33 + wd * d
+        n40, n41, n42, n43 = n40 + we * a, n41 + we * b, n42 + we * c, n43 + we * d
+        n44 += we * e
+        r0, r1, r2, r3, r4 = r0 - wa * f, r1 - wb * f, r2 - wc * f, r3 - wd * f, r4 - we * f
+    normal[0, 0], normal[1, 0], normal[1, 1] = n00, n10, n11
+    normal[2, 0], normal[2, 1], normal[2, 2] = n20, n21, n22
+    normal[3, 0], normal[3, 1], normal[3, 2], normal[3, 3] = n30, n31, n32, n33
+    normal[4, 0], normal[4, 1], normal[4, 2], normal[4, 3] = n40, n41, n42, n43
+    normal[4, 4] = n44
+    right[0], right[1], right[2], right[3], right[4] = r0, r1, r2, r3, r4
 
 
 @kernel
@@ -71,16 +117,16 @@ def prediction_error(points: FloatArray, chosen: IntArray, ellipse: FloatArray) 
     third is one linear step, robust as the scatter asks for.
     """
     count = len(chosen)
-    rows = np.empty((count, 7))
-    write_rows(points, chosen, ellipse, rows)
-    order = order_around(rows[:, 6].copy())
-    rows = rows[np.roll(order, -after_largest_gap(rows[:, 6], order))]
+    frame, rows = np.empty((3, count)), np.empty((count, 6))
+    write_frame(points, chosen, ellipse, frame)
+    order = order_around(frame[2])
+    write_rows(frame, order, after_largest_gap(frame, order), ellipse, rows)
     width = 2.0 * np.median(np.abs(rows[:, 5])) + LEAST_WIDTH
     first = (count + 1) // 3
     ends = (0, first, count - first, count)
     normals, rights = np.zeros((3, 5, 5)), np.zeros((3, 5))
     for part in range(3):
-        add_sums(rows, ends[part], ends[part + 1], width, normals[part], rights[part])
+        write_sums(rows, ends[part], ends[part + 1], width, normals[part], rights[part])
     worst = 0.0
     for part in range(3):
         third = rows[ends[part] : ends[part + 1]]

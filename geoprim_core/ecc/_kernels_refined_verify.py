@@ -101,7 +101,7 @@ def describe(
     sums: FloatArray,
     chosen: IntArray,
     count: int,
-    stamp: IntArray,
+    stamp: Int32Array,
     mark: int,
     limits: FloatArray,
     least: float,
@@ -172,7 +172,7 @@ def verify(
     owners = np.empty((len(ends), SLOTS), np.int64)
     counts = np.zeros((4, len(ends)), np.int64)
     owned, taken, tally, tries = counts[0], counts[1], counts[2], counts[3]
-    stamp = np.zeros(total, np.int64)
+    stamp = np.zeros(total, np.int32)
     chosen = np.empty(total + 1, np.int64)
     walk = new_walk(head, limits[MAX_SIZE], total)
     work = np.empty(25)

@@ -53,7 +53,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geoprim_core._check import IntArray, describe
+from geoprim_core._check import BoolArray, IntArray, describe
 from geoprim_core.ecc import _kernels_refined_clutter as _clutter
 from geoprim_core.ecc import _kernels_refined_final as _final
 from geoprim_core.ecc import _kernels_refined_select as _select
@@ -222,7 +222,7 @@ def explain(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Ver
     """
     if not params.explain_crossings:
         return verified
-    accepted = select(edges, verified, params).chosen
+    _, _, claimed = _choose(edges, verified, params)
     figures = _clutter.explain_crossings(
         edges.head,
         edges.following,
@@ -231,8 +231,7 @@ def explain(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Ver
         verified.ellipses,
         verified.figures,
         verified.offsets,
-        accepted,
-        params.claim_reach,
+        claimed,
         SCORE_MAP.evidence_of(params.min_score),
     )
     return replace(verified, figures=figures)
@@ -252,7 +251,15 @@ def select(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Sele
     ----------
     Thesis 5.5.1 (similar ellipses), 5.5.4 (selection).
     """
-    chosen, outcome = _select.select(
+    chosen, outcome, _ = _choose(edges, verified, params)
+    return Selection(chosen, tuple(OUTCOMES[k] for k in outcome.tolist()))
+
+
+def _choose(
+    edges: EdgePoints, verified: Verified, params: RefinedParams
+) -> tuple[IntArray, IntArray, BoolArray]:
+    """Return the chosen ellipses, the outcome of each, and which edge points they claim."""
+    return _select.select(
         edges.head,
         edges.following,
         edges.points,
@@ -267,7 +274,6 @@ def select(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Sele
         params.max_overlap if edges.signed else max(params.max_overlap, params.max_line_overlap),
         params.min_woven,
     )
-    return Selection(chosen, tuple(OUTCOMES[k] for k in outcome))
 
 
 def refit_chosen(
@@ -293,8 +299,9 @@ def refit_chosen(
     ----------
     Thesis (5-10), (5-12), (5-13) for coverage, alignment and continuity.
     """
-    score = verified.score
-    best = selection.chosen[np.argsort(-score[selection.chosen], kind="stable")]
+    score = SCORE_MAP.probability(verified.figures[selection.chosen, 0])
+    order = np.argsort(-score, kind="stable")
+    best = selection.chosen[order]
     noise = edges.noisiness if params.noise_gaps > 0.0 else 0.0
     rows, covariance, saliency = _final.finish(
         edges.points,
@@ -311,7 +318,7 @@ def refit_chosen(
     )
     return EllipseDetections(
         Ellipses.from_array(rows),
-        score[best],
+        score[order],
         saliency[:, 0],
         saliency[:, 1],
         saliency[:, 2],

@@ -124,18 +124,18 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
         head, following = index_points(points, normals, width, height)
     located = signed and contours.subpixel is not None and not math.isnan(contours.blur)
     spread = contours.blur**2 + SOBEL_VARIANCE if located else 0.0
-    contour = np.repeat(np.arange(len(contours)), np.diff(contours.offsets))
+    contour = _stroke.contour_of_points(contours.offsets)
     signed = signed and 2 * int(np.count_nonzero(stroke)) <= len(points)
     return EdgePoints(points, normals, contour, head, following, 2.0 * shifts, signed, spread)
 
 
 def _stroke_widths(gaps: FloatArray, offsets: IntArray, params: RefinedParams) -> FloatArray:
     """Return the signed width of the line that each point is on, 0 for none."""
-    sizes = np.diff(offsets)
-    long = gaps[np.repeat(sizes >= _LONG, sizes)]
-    dark, bright = np.count_nonzero(long < 0.0), np.count_nonzero(long > 0.0)
+    dark, bright, total = _stroke.count_sides(gaps, offsets, _LONG)
     common = 0.0
-    if max(dark, bright) > params.stroke_share * len(long):
+    if max(dark, bright) > params.stroke_share * total:
+        sizes = np.diff(offsets)
+        long = gaps[np.repeat(sizes >= _LONG, sizes)]
         common = float(np.median(long[long < 0.0] if dark >= bright else long[long > 0.0]))
     return _stroke.stroke_widths(gaps, offsets, params.stroke_alone, common)
 

@@ -120,11 +120,9 @@ def pair_arcs(edges: EdgePoints, arcs: SmoothArcs, params: RefinedParams) -> Can
         params.max_pairs,
     )
     order = _best_first(members, values[:, 0])
-    ellipses = np.ascontiguousarray(values[order, 1:])
     complete = share <= params.min_pair_share
-    return Candidates(
-        members[order], values[order, 0], ellipses, int(looked), int(possible), share, complete
-    )
+    best_first = _pairs.arranged(members, values, order)
+    return Candidates(*best_first, int(looked), int(possible), share, complete)
 
 
 def _best_first(members: IntArray, rank: FloatArray) -> IntArray:

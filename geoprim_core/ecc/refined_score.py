@@ -62,7 +62,8 @@ class ScoreMap:
     def probability(self, evidence: FloatArray) -> FloatArray:
         """Return the probability (n,) in [0, 1] for evidence (n,)."""
         odds = self.log_odds_of(evidence)
-        result: FloatArray = 1.0 / (1.0 + np.exp(-np.clip(odds, -700.0, MOST_LOG_ODDS)))
+        odds = np.minimum(np.maximum(odds, -700.0), MOST_LOG_ODDS)
+        result: FloatArray = 1.0 / (1.0 + np.exp(-odds))
         return result
 
     def log_odds_of(self, evidence: FloatArray) -> FloatArray:
@@ -85,8 +86,8 @@ def _evidence_of(score_map: ScoreMap, probability: float) -> float:
 
 def _line(values: FloatArray, xs: FloatArray, ys: FloatArray) -> FloatArray:
     """Return the piecewise linear function through (xs, ys), straight beyond its ends."""
-    piece = np.clip(np.searchsorted(xs, values) - 1, 0, len(xs) - 2)
-    slope = np.diff(ys) / np.diff(xs)
+    piece = np.searchsorted(xs[1:-1], values)
+    slope = (ys[1:] - ys[:-1]) / (xs[1:] - xs[:-1])
     result: FloatArray = ys[piece] + slope[piece] * (values - xs[piece])
     return result
 

@@ -16,7 +16,7 @@ def claimed_for(errors, ellipse=DISC):
     """Return the covariance claimed for a circle with these errors along its normals."""
     radius = ellipse[2] + errors
     points = np.stack([50 + radius * np.cos(TURN), 40 + radius * np.sin(TURN)], axis=1)
-    return spread.covariance_of(points, TURN, ellipse, 2.0, 1.0)
+    return spread.covariance_of(points, ellipse, 2.0, 1.0)
 
 
 def test_the_covariance_of_independent_errors_is_the_textbook_one_and_a_margin():
@@ -49,7 +49,7 @@ def test_a_circle_without_errors_is_in_doubt_by_an_unknown_blur():
 
 def test_five_points_and_fewer_determine_no_covariance():
     points = DISC[:2] + np.array([[40.0, 0.0], [40.0, 0.0], [40.0, 0.0]])
-    assert np.isnan(spread.covariance_of(points, np.zeros(3), DISC, 1.0, 1.0)).all()
+    assert np.isnan(spread.covariance_of(points, DISC, 1.0, 1.0)).all()
 
 
 def test_points_beside_a_gap_are_left_out_and_a_whole_outline_is_kept():

@@ -182,7 +182,7 @@ def collected(points, normals, ellipse, stride=2.0, min_cos=0.96):
     That is the sums that go with them and the share of the ends of gaps that nothing explains.
     """
     head, following = support.index_points(points, normals, 120, 100)
-    stamp, chosen = np.zeros(len(points), np.int64), np.empty(len(points) + 1, np.int64)
+    stamp, chosen = np.zeros(len(points), np.int32), np.empty(len(points) + 1, np.int64)
     walk, sums = outline.new_walk(head, 100.0, len(points)), np.empty(outline.SUMS)
     count = outline.collect(
         head, following, points, normals, ellipse, stride, 2.0, min_cos, 0, stamp, 1, walk,
@@ -210,7 +210,7 @@ def continuing(points, contour, stamp):
 
 def test_a_contour_that_goes_on_elsewhere_is_told_from_one_that_ends():
     points = np.stack([np.arange(120.0), np.zeros(120)], axis=1)
-    stamp = np.ones(120, np.int64)
+    stamp = np.ones(120, np.int32)
     stamp[100:] = 0
     one, two = np.zeros(120, np.int64), np.repeat([0, 1], [100, 20])
     assert continuing(points, one, stamp) == 0.5
@@ -224,9 +224,9 @@ def test_a_contour_that_goes_on_elsewhere_is_told_from_one_that_ends():
 def test_the_ends_do_not_depend_on_where_a_closed_contour_starts(start, back, supported):
     t = np.linspace(0, 2 * np.pi, 240, endpoint=False)
     points = 50 + 30 * np.stack([np.cos(t), np.sin(t)], axis=1)
-    stamp = (np.arange(240) < supported).astype(np.int64)
+    stamp = (np.arange(240) < supported).astype(np.int32)
     order = np.roll(np.arange(240), start)[:: -1 if back else 1]
-    assert continuing(points[order], np.zeros(240, np.int64), stamp[order]) == 1.0
+    assert continuing(points[order], np.zeros(240, np.int32), stamp[order]) == 1.0
 
 
 @settings(max_examples=60, deadline=None)
@@ -281,9 +281,9 @@ def test_support_is_what_lies_near_a_place_along_the_normal(seed, stride):
     normals = np.stack([np.cos(t), np.sin(t)], axis=1)
     chosen, sums, _ = collected(points, normals, ellipse, stride)
     x, y, a, b, angle = ellipse
-    places = np.empty((int(2 * a) + 30, 3))
-    ring = places[: places_of.quarter_of(a, b, stride, places)]
-    u, v = np.outer([a, -a, a, -a], ring[:, 0]), np.outer([b, b, -b, -b], ring[:, 1])
+    places = np.empty((3, int(2 * a) + 30))
+    ring = places[:, : places_of.quarter_of(a, b, stride, places)]
+    u, v = np.outer([a, -a, a, -a], ring[0]), np.outer([b, b, -b, -b], ring[1])
     cos, sin = np.cos(angle), np.sin(angle)
     pixels = np.floor(np.stack([x + u * cos - v * sin, y + u * sin + v * cos], axis=-1) + 0.5)
     offsets = np.array(
@@ -298,14 +298,14 @@ def test_support_is_what_lies_near_a_place_along_the_normal(seed, stride):
 
 
 def test_a_sketch_spreads_each_glance_over_the_quarter():
-    places = np.empty((places_of.SKETCH, 3))
+    places = np.empty((3, places_of.SKETCH))
     for ratio in (0.05, 0.3, 1.0):
         assert places_of.sketch_of(100.0, 100.0 * ratio, places) == places_of.SKETCH
-        assert np.allclose(np.hypot(places[:, 0], places[:, 1]), 1.0)
+        assert np.allclose(np.hypot(places[0], places[1]), 1.0)
         if ratio >= 0.3:  # the tip of a flat ellipse turns within a step
-            assert np.isclose(places[:, 2].sum(), np.pi / 2, rtol=0.03)
+            assert np.isclose(places[2].sum(), np.pi / 2, rtol=0.03)
         for count in places_of.GLANCES:
-            t = np.sort(np.arctan2(places[:count, 1], places[:count, 0]))
+            t = np.sort(np.arctan2(places[1, :count], places[0, :count]))
             path = np.interp(t, *path_of_quarter(ratio))
             assert np.diff(path, prepend=0.0, append=1.0).max() < 1.6 / count
 
@@ -324,7 +324,7 @@ def test_only_crossing_points_that_nothing_claims_are_counted():
     normals = np.tile([0.0, 1.0], (80, 1))
     head, following = support.index_points(points, normals, 120, 100)
     claimed = np.zeros(80, bool)
-    stamp = np.zeros(80, np.int64)
+    stamp = np.zeros(80, np.int32)
     count = clutter.count_crossings(head, following, points, normals, circle, claimed, stamp, 1)
     assert count == 6  # three pixels wide on either side
     claimed[40:] = True

@@ -66,7 +66,7 @@ def test_the_heap_chooses_what_the_plain_greedy_selection_does_in_its_order(seed
     head, following = support.index_points(points, normals, SIZE, SIZE)
     members = np.arange(len(points))
     given_to_both = (head, following, points, normals, rows, figures, offsets, members)
-    chosen, outcome = select.select(*given_to_both, WEAKEST, REACH, LEAST, MOST, WOVEN)
+    chosen, outcome, _ = select.select(*given_to_both, WEAKEST, REACH, LEAST, MOST, WOVEN)
     assert chosen.tolist() == plain(*given_to_both)
     assert np.flatnonzero(outcome == select.CHOSEN).tolist() == sorted(chosen.tolist())
     assert np.array_equal(outcome == select.WEAK, figures[:, 0] < WEAKEST)
