@@ -28,7 +28,7 @@ ROUND_BY_CHANCE = (3.0, 5.0)  # semi-minor axes in pixels at which any blob is r
 EVEN = (0.03, 0.015)  # scatter in semi-minor axes from which a whole outline counts, and fully
 UNEVEN = 90.0  # evidence lost for a scatter of one semi-minor axis
 FEW_PIXELS = (40.0, 60.0)  # lengths of an outline in pixels up to which it is small, and no longer
-SLANTED = (0.04, 0.1)  # radians between gradients and normals from which they disagree, and fully
+SLANTED = (0.05, 0.1)  # radians between gradients and normals from which they disagree, and fully
 
 # Entries of the array of weights that `evidence_of` takes.
 WHOLE_WEIGHT, NOISE_SCATTER, NOISE_GAPS, SMALL_WEIGHT = range(4)

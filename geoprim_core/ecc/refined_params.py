@@ -134,7 +134,7 @@ class RefinedParams(Params):
         high=10.0,
     )
     small_weight: float = option(
-        8.0,
+        12.0,
         "verification: evidence that an outline of few pixels loses where gradients are not along "
         "its normals, but for noise and line drawings",
         low=0.0,
