@@ -11,8 +11,8 @@ pairs, of which these sets hold none. On 192 images of noisy circles (`--seed` 2
 29000) F is .961 without the three steps for noise and the copies of lines, .990 with them; without
 one of them it is .983 (votes), .968 (scatter), .984 (gaps), .989 (copies). In 52 other photographs
 the pooled F of the 38 that are fully marked is .78 without the gradients along small outlines and
-the refit before an ellipse is judged, .86 with both; only the former's weight and the latter's
-margin were chosen with a view to them. The reasons stand in `geoprim_core.evaluation.ablation`.
+the refit before an ellipse is judged, .86 with both; the numbers of these two steps were chosen
+with a view to them, nothing else was. The reasons stand in `geoprim_core.evaluation.ablation`.
 
 ==========================================  ===================  =======  =======  =============
 departure                                   thesis sets          discs    circles  photographs
