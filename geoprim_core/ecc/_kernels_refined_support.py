@@ -8,6 +8,7 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core.ecc._kernels_refined_fit import offset_of
 from geoprim_core.ecc._kernels_refined_outline import (
     COVERED,
     CROSSING,
@@ -19,15 +20,18 @@ from geoprim_core.ecc._kernels_refined_outline import (
     TURNED,
     Int32Array,
 )
+from geoprim_core.ecc._kernels_refined_refit import MAD
 
 TINY = 1e-9  # pixels
 NEARLY_WHOLE = (0.7, 0.9)  # shares of the outline from which it counts as whole, a little and fully
 ROUND_BY_CHANCE = (3.0, 5.0)  # semi-minor axes in pixels at which any blob is round, and no longer
 EVEN = (0.03, 0.015)  # scatter in semi-minor axes from which a whole outline counts, and fully
 UNEVEN = 90.0  # evidence lost for a scatter of one semi-minor axis
+FEW_PIXELS = (40.0, 60.0)  # lengths of an outline in pixels up to which it is small, and no longer
+SLANTED = (0.05, 0.1)  # radians between gradients and normals from which they disagree, and fully
 
 # Entries of the array of weights that `evidence_of` takes.
-WHOLE_WEIGHT, NOISE_SCATTER, NOISE_GAPS = range(3)
+WHOLE_WEIGHT, NOISE_SCATTER, NOISE_GAPS, SMALL_WEIGHT = range(4)
 
 
 @kernel
@@ -118,6 +122,35 @@ def doubt_of_clutter(share: float, across: float) -> float:
     Mild: it is not known yet which of them belong to other ellipses.
     """
     return 8.0 * (1.0 - share) * across
+
+
+@kernel
+def typical_slant(
+    points: FloatArray, normals: FloatArray, ellipse: FloatArray, chosen: IntArray, count: int
+) -> float:
+    """Return the typical angle in radians between the gradients and the normals of an ellipse.
+
+    From the median, so that a neighbour that touches the ellipse has no say.
+    """
+    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    slants = np.empty(count)
+    for k in range(count):
+        p = chosen[k]
+        _, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
+        slants[k] = abs(nx * normals[p, 1] - ny * normals[p, 0])
+    return float(MAD * np.median(slants))
+
+
+@kernel
+def doubt_of_small(slant: float, outline: float, weight: float) -> float:
+    """Return what slanted gradients take from the evidence of an outline of few pixels.
+
+    Letters, bubbles and specks of texture are as round as a disc to a tenth of a pixel, as far as
+    their outline goes; their gradients are not along the normals of an ellipse as those of a disc
+    are, also where a shape is but a little squarer than round.
+    """
+    small = rising(-outline, -FEW_PIXELS[1], -FEW_PIXELS[0])
+    return weight * small * rising(slant, SLANTED[0], SLANTED[1])
 
 
 @inner_kernel

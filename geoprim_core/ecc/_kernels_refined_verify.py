@@ -38,10 +38,14 @@ from geoprim_core.ecc._kernels_refined_outline import (
     new_walk,
 )
 from geoprim_core.ecc._kernels_refined_support import (
+    FEW_PIXELS,
+    SMALL_WEIGHT,
     arcs_of_points,
     doubt_of_clutter,
     doubt_of_ends,
+    doubt_of_small,
     support_evidence,
+    typical_slant,
 )
 
 FIGURES = 8
@@ -94,6 +98,7 @@ def note_owner(
 def describe(
     head: Int32Array,
     following: Int32Array,
+    points: FloatArray,
     normals: FloatArray,
     links: IntArray,
     walk: Walk,
@@ -117,6 +122,10 @@ def describe(
     share = min(row[1], row[2])
     growth = 1.0 + limits[GROWTH] * ellipse[3]
     evidence = support_evidence(sums, count, row[5], ellipse, growth, limits[WEIGHTS:])
+    outline = row[5] / share
+    if evidence >= least and limits[WEIGHTS + SMALL_WEIGHT] > 0.0 and outline < FEW_PIXELS[1]:
+        slant = typical_slant(points, normals, ellipse, chosen, count)
+        evidence -= doubt_of_small(slant, outline, limits[WEIGHTS + SMALL_WEIGHT])
     if limits[ENDS] > 0.0 and evidence >= least:  # else it is too weak already
         row[6] = continuing_share(links, stamp, mark, chosen, count)
         if evidence - limits[ENDS] * doubt_of_ends(share, row[6], 0.0) >= least:
@@ -145,6 +154,7 @@ def verify(
     weak_claims: bool,
     sure: float,
     polish: float,
+    margin: float,
     max_tries: int,
     max_count: int,
 ) -> tuple[FloatArray, FloatArray, IntArray, IntArray, IntArray, int]:
@@ -155,10 +165,11 @@ def verify(
     contour goes on and at which nothing explains a gap; offsets and indices of their supporting
     points; the candidate each came from; and the number of candidates looked at closely, one more
     than `max_count` where that left a candidate out. An ellipse with evidence `polish` is refitted
-    once more, robustly, and its arcs make no other candidate with each other; one with evidence
-    `sure` takes its arcs. With `weak_claims` the arcs of any
-    that passes make no other candidate with each other. Two arcs that both failed, or gave
-    less evidence than that, `max_tries` times are left alone.
+    once more, robustly; so is one that lacks up to `margin` of it, less for what nothing supports
+    of the outline, and for thin ones, which two lines are near too. The arcs of one with evidence
+    `polish` make no other candidate with each other; one with evidence `sure` takes its arcs. With
+    `weak_claims` the arcs of any that passes make no other candidate with each other. Two arcs that
+    both failed, or gave less evidence than that, `max_tries` times are left alone.
     """
     total = len(points)
     room = min(len(arcs), max_count)
@@ -202,10 +213,11 @@ def verify(
                 tries[max(i, j)] += 1 if j > i else 0
             continue
         evidence = describe(
-            head, following, normals, links, walk, ellipse, sums, chosen, count, stamp,
+            head, following, points, normals, links, walk, ellipse, sums, chosen, count, stamp,
             8 * walked + 2, limits, polish, figures[found],
         )  # fmt: skip
-        if evidence >= polish:
+        share = sums[COVERED] / sums[STEPS]  # of the whole outline, also beyond the image
+        if evidence >= polish - margin * share * share * ellipse[3] / ellipse[2]:
             count = polish_support(
                 head, following, points, normals, ellipse, limits, polarity, stamp, 8 * walked + 3,
                 walk, chosen, count, sums,
@@ -213,7 +225,7 @@ def verify(
             if count < LEAST_POINTS or near_copy(ellipses, found, ellipse):
                 continue
             describe(
-                head, following, normals, links, walk, ellipse, sums, chosen, count, stamp,
+                head, following, points, normals, links, walk, ellipse, sums, chosen, count, stamp,
                 8 * walked + 2 + POLISHES, limits, polish, figures[found],
             )  # fmt: skip
         used = offsets[found]

@@ -186,6 +186,7 @@ def verify(
         params.weak_claims,
         SCORE_MAP.evidence_of(params.claim_score),
         SCORE_MAP.evidence_of(params.min_score),
+        params.refit_margin,
         params.max_tries,
         params.max_candidates,
     )
@@ -210,5 +211,6 @@ def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:
             params.whole_weight,
             params.noise_scatter * edges.noisiness,
             params.noise_gaps * edges.noisiness,
+            params.small_weight * (1.0 - edges.noisiness) if edges.signed else 0.0,
         ]
     )

@@ -133,6 +133,13 @@ class RefinedParams(Params):
         low=0.0,
         high=10.0,
     )
+    small_weight: float = option(
+        12.0,
+        "verification: evidence that an outline of few pixels loses where gradients are not along "
+        "its normals, but for noise and line drawings",
+        low=0.0,
+        high=30.0,
+    )
     noise_scatter: float = option(
         0.3,
         "verification: scatter of edges in a noisy image that is no misfit",
@@ -145,6 +152,13 @@ class RefinedParams(Params):
         "verification, refit: share of an outline that noise hides, 0 where gaps are no noise",
         low=0.0,
         high=0.7,
+    )
+    refit_margin: float = option(
+        3.0,
+        "verification: evidence that a circle, if whole, may lack to be refitted robustly before "
+        "it is judged; less for unsupported and for thin ones",
+        low=0.0,
+        high=30.0,
     )
     claim_score: float = option(
         0.975,

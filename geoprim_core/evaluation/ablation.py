@@ -100,6 +100,16 @@ DEPARTURES = (
         "few curves close evenly by chance: small discs have no long outline to show",
     ),
     Departure(
+        "gradients along small outlines",
+        {"ecc.refined.small_weight": 0.0},
+        "print and bubbles are round in outline, but their gradients do not show one centre",
+    ),
+    Departure(
+        "refitted before it is judged",
+        {"ecc.refined.refit_margin": 0.0},
+        "an ellipse that is not yet fitted to all of its support scatters more than need be",
+    ),
+    Departure(
         "parts of the support predict each other",
         {"ecc.refined.prediction_weight": 0.0},
         "an ellipse through stretches of several curves moves when it is fitted without one",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -164,6 +165,27 @@ def test_noise_explains_scatter_up_to_its_own_and_gaps_in_whole_outlines():
     assert evidence(share=0.7, noise=(0.0, 0.2)) > evidence(share=0.7)
     assert evidence(share=0.4, noise=(0.0, 0.2)) == evidence(share=0.4)
     assert evidence(rms=0.4, noise=(0.3, 0.0)) < evidence(rms=0.3, noise=(0.3, 0.0))
+
+
+@given(st.floats(0.0, 0.3), st.floats(5.0, 300.0))
+def test_slanted_gradients_count_on_small_outlines_only(slant, outline):
+    lost = support.doubt_of_small(slant, outline, 8.0)
+    assert 0.0 <= lost <= 8.0
+    assert lost >= support.doubt_of_small(0.9 * slant, 1.1 * outline, 8.0)
+    assert lost == 0.0 or (slant > 0.05 and outline < 60.0)
+    assert lost == 8.0 or slant < 0.1 or outline > 40.0
+
+
+@given(ellipses, st.floats(-0.3, 0.3))
+def test_the_slant_of_the_gradients_is_that_of_most(ellipse, turn):
+    points = points_of(ellipse)
+    axes = np.cos(ellipse[4]), np.sin(ellipse[4])
+    normals = np.array([fit.offset_of(ellipse, *axes, *p)[1:] for p in points])
+    cos, sin = np.cos(turn), np.sin(turn)
+    normals = normals @ np.array([[cos, sin], [-sin, cos]])
+    normals[:30] = axes  # of something else that touches the ellipse
+    slant = support.typical_slant(points, normals, ellipse, np.arange(80), 80)
+    assert slant == pytest.approx(1.4826 * abs(sin), abs=1e-5)
 
 
 def test_clutter_and_ends_count_only_where_the_outline_is_extrapolated():

@@ -179,6 +179,31 @@ def test_a_disc_of_five_pixels_is_found(radius, inside):
     assert_same(found_in(image), Ellipses.from_array([[30.3, 24.6, radius, radius, 0.0]]), 0.15)
 
 
+def lame_image(radius, power, turn=0.4, step=6):
+    """Return a bright image with a dark |u|^power + |v|^power <= radius^power in its middle."""
+    y, x = (np.mgrid[0 : 80 * step, 0 : 80 * step] + 0.5) / step - 0.5
+    u = (x - 40.3) * np.cos(turn) + (y - 39.6) * np.sin(turn)
+    v = (y - 39.6) * np.cos(turn) - (x - 40.3) * np.sin(turn)
+    inside = np.abs(u) ** power + np.abs(v) ** power <= radius**power
+    cover = inside.reshape(80, step, 80, step).mean(axis=(1, 3))
+    return (200.5 - 160 * cover).astype(np.uint8)
+
+
+@pytest.mark.parametrize("radius", [4.5, 5.0, 6.0, 7.0])
+def test_a_small_patch_that_is_not_quite_round_is_no_disc(radius):
+    assert len(found_in(lame_image(radius, 2.0))) == 1
+    assert len(found_in(lame_image(radius, 2.5))) == 0
+    assert len(found_in(lame_image(radius, 2.5), RefinedParams(small_weight=0.0))) == 1
+
+
+def test_a_disc_with_a_wavy_outline_is_found():
+    y, x = np.mgrid[0:120, 0:140]
+    angle = np.arctan2(y - 59.6, x - 70.3)
+    outside = np.hypot(x - 70.3, y - 59.6) - 25 - 1.3 * np.cos(3 * angle)
+    found = found_in((40 + 160 * np.clip(0.5 - outside, 0, 1)).astype(np.uint8))
+    assert_same(found, Ellipses.from_array([[70.3, 59.6, 25, 25, 0.0]]), 1.3)
+
+
 def test_concentric_rings_are_both_found():
     truth = Ellipses.from_array([[130, 110, 90, 90, 0.0], [130, 110, 65, 65, 0.0]])
     image = render_ellipses(truth, SIZE, levels=np.array([200.0, 90.0]))
