@@ -151,7 +151,7 @@ def _noise_share(image: AnyArray, levels: GradientLevels, params: EdgeParams) ->
     if params.noise_sigma <= params.sigma or levels.noise <= least or min(image.shape[:2]) < 3:
         return 0.0
     effect = 1.0 / (math.sqrt(8.0 * math.pi) * (params.sigma**2 + _SOBEL_VARIANCE))
-    single = effect * pixel_noise(_one_channel(image, params))
+    single = effect * pixel_noise(one_channel(image, params))
     return min(levels.noise, single) / levels.typical
 
 
@@ -174,7 +174,7 @@ def pixel_noise(levels: AnyArray) -> float:
     return median / (_NORMAL_MEDIAN * 6.0)  # the root of the weights' sum of squares
 
 
-def _one_channel(image: AnyArray, params: EdgeParams) -> AnyArray:
+def one_channel(image: AnyArray, params: EdgeParams) -> AnyArray:
     """Return the channel that tells the noise: of colours the middle one, green."""
     if image.ndim == 2 or params.colour == "gray" or params.equalise:
         return to_gray(image, equalise=params.equalise)

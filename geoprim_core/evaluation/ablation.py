@@ -50,6 +50,11 @@ DEPARTURES = (
         "noise falls with the square of the blur, an edge only in proportion",
     ),
     Departure(
+        "stairs smoothed",
+        {"edges.stair_sigma": 0.0},
+        "an outline drawn without grey levels in between is a polygon with corners",
+    ),
+    Departure(
         "direction-true linking",
         {"edges.linking": "junctions"},
         "curves go on through their crossings",

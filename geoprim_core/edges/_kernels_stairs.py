@@ -1,0 +1,59 @@
+"""Kernel that tells edges drawn as stairs from those with grey levels in between."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from geoprim_core._jit import inner_kernel, kernel
+
+OBLIQUE = 0.25  # least ratio of the parts of a gradient; along an axis any edge may be one step
+HARD = 0.1  # largest share of what is left of an edge's height beside its largest step
+
+
+@inner_kernel
+def is_hard(step: Any, before: Any, after: Any) -> Any:
+    """Tell whether a step between two pixels has next to nothing of its edge beside it."""
+    sign = 1.0 if step >= 0.0 else -1.0
+    beside = max(0.0, sign * before) + max(0.0, sign * after)
+    return beside <= HARD * abs(step)
+
+
+@kernel
+def hard_share(
+    flat: Any, dx: Any, dy: Any, octets: Any, levels: Any, stride: Any, offset: Any
+) -> Any:
+    """Return the share of oblique edge pixels at which all of the height is one step.
+
+    Each counts with the square of its step: texture and noise are low. The image is `octets` or,
+    where that is empty, `levels`: (H, W * stride) with the channel that is looked at at `offset`
+    of each pixel. Of two axes or steps as good both are taken, whichever way the image is turned.
+    """
+    height, width = dx.shape
+    whole = octets.shape[0] > 0
+    line, step = np.empty(5), np.empty(4)
+    total = hard = 0.0
+    for place in flat:
+        y, x = np.int64(place) // width, np.int64(place) % width
+        gx, gy = abs(dx[y, x]), abs(dy[y, x])
+        if min(gx, gy) < OBLIQUE * max(gx, gy):
+            continue
+        if x < 2 or y < 2 or x >= width - 2 or y >= height - 2:
+            continue
+        for axis in range(2):
+            if (gx < gy) if axis == 0 else (gy < gx):
+                continue
+            for k in range(5):
+                row = y + (k - 2 if axis == 1 else 0)
+                at = (x + (k - 2 if axis == 0 else 0)) * stride + offset
+                line[k] = octets[row, at] if whole else levels[row, at]
+            for k in range(4):
+                step[k] = line[k + 1] - line[k]
+            first, second = abs(step[1]) >= abs(step[2]), abs(step[2]) >= abs(step[1])
+            sharp = not first or is_hard(step[1], step[0], step[2])
+            sharp &= not second or is_hard(step[2], step[1], step[3])
+            weight = max(abs(step[1]), abs(step[2])) ** 2
+            total += weight
+            hard += weight if sharp else 0.0
+    return hard / total if total > 0.0 else 0.0
