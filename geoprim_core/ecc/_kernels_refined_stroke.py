@@ -62,34 +62,36 @@ def count_alike(gaps: FloatArray, width: float) -> int:
 
 
 @kernel
-def own_width(gaps: FloatArray, share: float) -> float:
+def own_width(gaps: FloatArray, share: float, reach: float) -> float:
     """Return the signed width of the line that a contour is an edge of by its own mates, else 0.
 
-    More than `share` of its points have a mate on one side, at one distance.
+    More than `share` of its points have a mate on one side within `reach`, at one distance.
     """
     dark = bright = 0
     for gap in gaps:
-        dark += gap < 0.0
-        bright += gap > 0.0
+        dark += -reach < gap < 0.0
+        bright += 0.0 < gap < reach
     least = share * (len(gaps) + DOUBTED)
     if max(dark, bright) <= least:
         return 0.0
     side = -1.0 if dark > bright else 1.0
-    width = np.median(gaps[side * gaps > 0.0])
+    width = np.median(gaps[(side * gaps > 0.0) & (side * gaps < reach)])
     return width if count_alike(gaps, width) > least else 0.0
 
 
 @kernel
-def stroke_widths(gaps: FloatArray, offsets: IntArray, share: float, common: float) -> FloatArray:
+def stroke_widths(
+    gaps: FloatArray, offsets: IntArray, share: float, reach: float, common: float
+) -> FloatArray:
     """Return for every point the signed width of the line that its contour is an edge of, else 0.
 
-    Each contour is judged by its own mates (`own_width`). In an image of lines, most of them
-    `common` wide (0: no such image), a contour follows the others unless it is long enough to
-    tell that it is none: crossings hide mates.
+    Each contour is judged by its own mates within `reach` (`own_width`). In an image of lines,
+    most of them `common` wide (0: no such image), a contour follows the others unless it is long
+    enough to tell that it is none: crossings hide mates.
     """
     widths = np.zeros(len(gaps))
     for c in range(len(offsets) - 1):
         own = gaps[offsets[c] : offsets[c + 1]]
         follows = common != 0.0 and count_alike(own, common) + FOLLOWED > FOLLOWING * len(own)
-        widths[offsets[c] : offsets[c + 1]] = common if follows else own_width(own, share)
+        widths[offsets[c] : offsets[c + 1]] = common if follows else own_width(own, share, reach)
     return widths

@@ -20,6 +20,8 @@ SOBEL_VARIANCE = 0.5  # of the Sobel filter as a blur, in square pixels
 
 _NOISY = (0.8, 1.2)  # pixels of blur from which an image counts as noisy, a little and fully
 _LONG = 30  # points of a contour; on shorter ones noise decides
+_LONG_SHARE = 0.5  # or that share of the longest: of small circles all contours are short
+_ALIKE = 0.5  # pixels between the width of a line and that of most: other gaps vary
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,11 +105,13 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
 
     A contour is an edge of a line when more than a share `stroke_alone` of its points have an
     edge of the opposite direction at one distance within `stroke_reach`. Where a share
-    `stroke_share` of all long contours has, the image is a line drawing: contours are edges of
-    lines unless they are long and nothing says so. The points of lines move by half the median
-    line width: both edges of a line then give one curve. Reason: each edge alone gives an ellipse
-    that is half a line off. The rim of a coin or of a lid has two edges too, of which the outer
-    one counts: half of the points of such pictures have mates, of line drawings four in five.
+    `stroke_share` of all long contours has, within `drawing_reach`, the image is a line drawing:
+    contours are edges of lines unless they are long and nothing says so. Lines have one width:
+    bricks and grass have as many edges side by side, at any distance. The points of lines move by
+    half the median line width: both edges of a line then give one curve. Reason: each edge alone
+    gives an ellipse that is half a line off. The rim of a coin or of a lid has two edges too, of
+    which the outer one counts: half of the points of such pictures have mates, of line drawings
+    four in five.
     """
     width, height = _frame(contours)
     points = contours.positions
@@ -115,8 +119,9 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     signed = contours.gradient_angle is not None
     head, following = index_points(points, normals, width, height)
     shifts = np.zeros(len(points))
-    if signed and params.stroke_reach > 0.0 and len(points):
-        gaps = _stroke.find_mates(head, following, points, normals, params.stroke_reach)
+    reach = max(params.stroke_reach, params.drawing_reach)
+    if signed and reach > 0.0 and len(points):
+        gaps = _stroke.find_mates(head, following, points, normals, reach)
         shifts = 0.5 * _stroke_widths(gaps, contours.offsets, params)
     stroke = shifts != 0.0
     if stroke.any():
@@ -132,12 +137,14 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
 def _stroke_widths(gaps: FloatArray, offsets: IntArray, params: RefinedParams) -> FloatArray:
     """Return the signed width of the line that each point is on, 0 for none."""
     sizes = np.diff(offsets)
-    long = gaps[np.repeat(sizes >= _LONG, sizes)]
-    dark, bright = np.count_nonzero(long < 0.0), np.count_nonzero(long > 0.0)
-    common = 0.0
-    if max(dark, bright) > params.stroke_share * len(long):
-        common = float(np.median(long[long < 0.0] if dark >= bright else long[long > 0.0]))
-    return _stroke.stroke_widths(gaps, offsets, params.stroke_alone, common)
+    least = min(_LONG, _LONG_SHARE * sizes.max())
+    long = gaps[np.repeat(sizes >= least, sizes)]
+    dark, bright = long[long < 0.0], long[long > 0.0]
+    mates = dark if len(dark) >= len(bright) else bright
+    common = float(np.median(mates)) if len(mates) else 0.0
+    alike = np.count_nonzero(np.abs(mates - common) < _ALIKE)
+    common = common if alike > params.stroke_share * len(long) else 0.0
+    return _stroke.stroke_widths(gaps, offsets, params.stroke_alone, params.stroke_reach, common)
 
 
 def _frame(contours: Contours) -> tuple[int, int]:

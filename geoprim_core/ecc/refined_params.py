@@ -13,14 +13,22 @@ class RefinedParams(Params):
 
     stroke_reach: float = option(
         4.0,
-        "strokes: widest line of which both edges count as one curve, 0 for none",
+        "strokes: widest line of which both edges count as one curve in any image, 0 for none",
+        unit="px",
+        low=0.0,
+        high=20.0,
+    )
+    drawing_reach: float = option(
+        6.0,
+        "strokes: widest such line in a line drawing, 0 for none",
         unit="px",
         low=0.0,
         high=20.0,
     )
     stroke_share: float = option(
-        0.65,
-        "strokes: share of the points of long contours on lines that makes a line drawing",
+        0.6,
+        "strokes: share of the points of long contours on lines of one width that makes a line "
+        "drawing",
         low=0.0,
         high=1.0,
     )

@@ -66,8 +66,13 @@ DEPARTURES = (
     ),
     Departure(
         "strokes: both edges on one centre line",
-        {"ecc.refined.stroke_reach": 0.0},
+        {"ecc.refined.stroke_reach": 0.0, "ecc.refined.drawing_reach": 0.0},
         "the truth of a drawn line is its middle",
+    ),
+    Departure(
+        "wide lines in line drawings",
+        {"ecc.refined.drawing_reach": 4.0},
+        "lines of one width all over an image are lines, if they are wide too",
     ),
     Departure(
         "arcs split where no ellipse fits",

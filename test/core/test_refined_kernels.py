@@ -139,9 +139,10 @@ def test_a_contour_is_a_line_by_its_own_mates_or_in_a_line_drawing():
     few = np.where(np.arange(20) < 3, 2.0, 0.0)
     gaps = np.concatenate([np.full(30, 2.0), np.zeros(60), few])
     offsets = np.array([0, 30, 90, 110])
-    alone = stroke.stroke_widths(gaps, offsets, 0.7, 0.0)
+    alone = stroke.stroke_widths(gaps, offsets, 0.7, 4.0, 0.0)
     assert np.array_equal(alone, np.repeat([2.0, 0.0, 0.0], [30, 60, 20]))
-    together = stroke.stroke_widths(gaps, offsets, 0.7, 2.25)
+    assert not stroke.stroke_widths(gaps, offsets, 0.7, 1.5, 0.0).any()
+    together = stroke.stroke_widths(gaps, offsets, 0.7, 4.0, 2.25)
     assert np.array_equal(together, np.repeat([2.25, 0.0, 2.25], [30, 60, 20]))
 
 
