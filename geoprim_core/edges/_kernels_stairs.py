@@ -22,23 +22,32 @@ def is_hard(step: Any, before: Any, after: Any) -> Any:
 
 @kernel
 def hard_share(
-    flat: Any, dx: Any, dy: Any, octets: Any, levels: Any, stride: Any, offset: Any
-) -> Any:
+    flat: Any, values: Any, dx: Any, dy: Any, least: Any, octets: Any, levels: Any, stride: Any,
+    offset: Any,
+) -> Any:  # fmt: skip
     """Return the share of oblique edge pixels at which all of the height is one step.
 
-    Each counts with the square of its step: texture and noise are low. The image is `octets` or,
-    where that is empty, `levels`: (H, W * stride) with the channel that is looked at at `offset`
-    of each pixel. Of two axes or steps as good both are taken, whichever way the image is turned.
+    Of those whose gradient is `least` or more, each with the square of its step: texture and noise
+    are low. The image is `octets` or, where that is empty, `levels`: (H, W * stride) with the
+    channel that is looked at at `offset` of each pixel. Of two axes or steps as good both are
+    taken, whichever way the image is turned.
     """
     height, width = dx.shape
+    magnitudes, along_x, along_y = values.ravel(), dx.ravel(), dy.ravel()
+    strong = np.empty(len(flat), np.uint32)
+    size = np.uint64(0)
+    for place in flat:  # without a branch: whether an edge is strong is a coin toss
+        at = np.uint64(place)
+        gx, gy = abs(along_x[at]), abs(along_y[at])
+        strong[size] = place
+        steep = magnitudes[at] >= least
+        size += np.uint64(steep & (min(gx, gy) >= np.float32(OBLIQUE) * max(gx, gy)))
     whole = octets.shape[0] > 0
     line, step = np.empty(5), np.empty(4)
     total = hard = 0.0
-    for place in flat:
+    for place in strong[:size]:
         y, x = np.int64(place) // width, np.int64(place) % width
         gx, gy = abs(dx[y, x]), abs(dy[y, x])
-        if min(gx, gy) < OBLIQUE * max(gx, gy):
-            continue
         if x < 2 or y < 2 or x >= width - 2 or y >= height - 2:
             continue
         for axis in range(2):
@@ -46,8 +55,8 @@ def hard_share(
                 continue
             for k in range(5):
                 row = y + (k - 2 if axis == 1 else 0)
-                at = (x + (k - 2 if axis == 0 else 0)) * stride + offset
-                line[k] = octets[row, at] if whole else levels[row, at]
+                at_x = (x + (k - 2 if axis == 0 else 0)) * stride + offset
+                line[k] = octets[row, at_x] if whole else levels[row, at_x]
             for k in range(4):
                 step[k] = line[k + 1] - line[k]
             first, second = abs(step[1]) >= abs(step[2]), abs(step[2]) >= abs(step[1])

@@ -22,7 +22,7 @@ from geoprim_core.edges.params import EdgeParams
 
 _NO_OCTETS = np.zeros((0, 0), np.uint8)
 _NO_LEVELS = np.zeros((0, 0), np.float32)
-_STAIRS = (0.4, 0.6)  # shares of hard steps from which an image has stairs, a little and fully
+_STAIRS = (0.35, 0.55)  # shares of hard steps from which an image has stairs, a little and fully
 
 
 class Edges(NamedTuple):
@@ -46,31 +46,31 @@ def smooth_edges(image: AnyArray, params: EdgeParams) -> Edges:
     """
     dx, dy, values, levels, blur = steady_gradient(image, params)
     flat, low, high = find_edges(dx, dy, values, params, levels)
-    sigma = _sigma_for_stairs(image, flat, dx, dy, params)
-    if sigma > blur:
-        blur = sigma
-        dx, dy, values = image_gradient(image, replace(params, sigma=sigma))
-        flat, low, high = find_edges(dx, dy, values, params, gradient_levels(values, params))
+    if params.stair_sigma > blur:
+        share = hard_share(image, params, flat, values, dx, dy, levels.typical)
+        first, full = _STAIRS
+        growth = min(1.0, max(0.0, (share - first) / (full - first)))
+        sigma = params.sigma + growth * (params.stair_sigma - params.sigma)
+        if sigma > blur:
+            blur = sigma
+            dx, dy, values = image_gradient(image, replace(params, sigma=sigma))
+            flat, low, high = find_edges(dx, dy, values, params, gradient_levels(values, params))
     return Edges(dx, dy, flat, low, high, blur)
 
 
-def _sigma_for_stairs(
-    image: AnyArray, flat: UInt32Array, dx: Float32Array, dy: Float32Array, params: EdgeParams
-) -> float:
-    """Return the deviation of the blur that the stairs of an image call for."""
-    if params.stair_sigma <= params.sigma:
-        return params.sigma
-    first, full = _STAIRS
-    share = min(1.0, max(0.0, (hard_share(image, flat, dx, dy, params) - first) / (full - first)))
-    return params.sigma + share * (params.stair_sigma - params.sigma)
-
-
 def hard_share(
-    image: AnyArray, flat: UInt32Array, dx: Float32Array, dy: Float32Array, params: EdgeParams
+    image: AnyArray,
+    params: EdgeParams,
+    flat: UInt32Array,
+    values: Float32Array,
+    dx: Float32Array,
+    dy: Float32Array,
+    least: float,
 ) -> float:
     """Return the share of oblique edge pixels, weighted by their height, that are one hard step.
 
-    About one half in pure noise, which has no grey levels in between either.
+    Of edges whose gradient is at least `least`. About one half in pure noise, which has no grey
+    levels in between either.
     """
     stride, offset = 1, 0
     if image.dtype == np.uint8 and image.ndim == 3 and image.flags.c_contiguous:
@@ -78,8 +78,12 @@ def hard_share(
     else:
         rows = one_channel(image, params)
     if rows.dtype == np.uint8:
-        octets, levels = np.ascontiguousarray(rows), _NO_LEVELS
+        octets, grays = np.ascontiguousarray(rows), _NO_LEVELS
     else:
-        octets, levels = _NO_OCTETS, np.ascontiguousarray(rows, np.float32)
-    share = float(_kernels_stairs.hard_share(flat, dx, dy, octets, levels, stride, offset))
+        octets, grays = _NO_OCTETS, np.ascontiguousarray(rows, np.float32)
+    share = float(
+        _kernels_stairs.hard_share(
+            flat, values, dx, dy, np.float32(least), octets, grays, stride, offset
+        )
+    )
     return round(share * 2.0**12) / 2.0**12  # a turned image has its sums in another order

@@ -22,7 +22,7 @@ def share_of(image):
     """Return the share of hard steps of an image."""
     dx, dy, values, levels, _ = steady_gradient(image, PLAIN)
     flat, _, _ = find_edges(dx, dy, values, PLAIN, levels)
-    return hard_share(image, flat, dx, dy, PLAIN)
+    return hard_share(image, PLAIN, flat, values, dx, dy, levels.typical)
 
 
 def test_all_steps_of_an_image_of_two_levels_are_hard():
