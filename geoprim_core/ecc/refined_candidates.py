@@ -212,5 +212,6 @@ def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:
             params.whole_weight,
             params.noise_scatter * edges.noisiness,
             params.noise_gaps * edges.noisiness,
+            params.round_scatter,
         ]
     )

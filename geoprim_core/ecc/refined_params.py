@@ -154,6 +154,12 @@ class RefinedParams(Params):
         low=0.0,
         high=0.7,
     )
+    round_scatter: float = option(
+        0.5,
+        "verification: share of the scatter of a whole and round outline that is no misfit",
+        low=0.0,
+        high=1.0,
+    )
     claim_score: float = option(
         0.975,
         "verification: score from which an ellipse takes its arcs from later candidates",

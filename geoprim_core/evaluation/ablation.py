@@ -165,6 +165,11 @@ DEPARTURES = (
         "in noise an outline has gaps that nothing hides",
     ),
     Departure(
+        "scatter of round outlines counts less",
+        {"ecc.refined.round_scatter": 0.0},
+        "blobs that close by chance are hardly ever round: small dots in noise are",
+    ),
+    Departure(
         "search region before the fit",
         {"ecc.refined.region_slack": 100.0},
         "pairs that cannot be one ellipse cost no fit",

@@ -146,9 +146,9 @@ def test_a_contour_is_a_line_by_its_own_mates_or_in_a_line_drawing():
     assert np.array_equal(together, np.repeat([2.25, 0.0, 2.25], [30, 60, 20]))
 
 
-def evidence(share=0.6, rms=0.2, slant=0.1, length=200.0, outside=0.0, noise=(0.0, 0.0)):
-    weights = np.array([1.3, *noise])
-    return support.evidence_of(share, rms, slant, length, 40.0, 1.0, outside, weights)
+def evidence(share=0.6, rms=0.2, slant=0.1, length=200.0, outside=0.0, noise=(0.0, 0.0), ratio=0.5):
+    weights = np.array([1.3, *noise, 0.5])
+    return support.evidence_of(share, rms, slant, length, 40.0, ratio, 1.0, outside, weights)
 
 
 def test_more_and_better_support_is_more_evidence():
@@ -165,6 +165,13 @@ def test_noise_explains_scatter_up_to_its_own_and_gaps_in_whole_outlines():
     assert evidence(share=0.7, noise=(0.0, 0.2)) > evidence(share=0.7)
     assert evidence(share=0.4, noise=(0.0, 0.2)) == evidence(share=0.4)
     assert evidence(rms=0.4, noise=(0.3, 0.0)) < evidence(rms=0.3, noise=(0.3, 0.0))
+
+
+def test_scatter_counts_less_on_an_outline_that_is_whole_and_round():
+    assert evidence(share=0.95, rms=0.4, ratio=0.96) > evidence(share=0.95, rms=0.4, ratio=0.8)
+    assert evidence(share=0.95, rms=0.4, ratio=0.8) == evidence(share=0.95, rms=0.4, ratio=0.2)
+    assert evidence(share=0.6, rms=0.4, ratio=0.96) == evidence(share=0.6, rms=0.4, ratio=0.2)
+    assert evidence(share=0.95, rms=0.4, ratio=1.0) < evidence(share=0.95, rms=0.2, ratio=1.0)
 
 
 def test_clutter_and_ends_count_only_where_the_outline_is_extrapolated():
