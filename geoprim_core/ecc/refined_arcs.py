@@ -21,6 +21,7 @@ SOBEL_VARIANCE = 0.5  # of the Sobel filter as a blur, in square pixels
 _NOISY = (0.8, 1.2)  # pixels of blur from which an image counts as noisy, a little and fully
 _LONG = 30  # points of a contour; on shorter ones noise decides
 _LONG_SHARE = 0.5  # or that share of the longest: of small circles all contours are short
+_NOISE_HIDES = 0.35  # share of the points on lines of which noise hides the other edge
 _ALIKE = 0.5  # pixels between the width of a line and that of most: other gaps vary
 
 
@@ -65,8 +66,7 @@ class EdgePoints:
 
         By the blur: the edge stage blurs an image more than others when it has measured noise.
         """
-        blur = math.sqrt(max(0.0, self.spread - SOBEL_VARIANCE))
-        return min(1.0, max(0.0, (blur - _NOISY[0]) / (_NOISY[1] - _NOISY[0])))
+        return _noisiness(math.sqrt(max(0.0, self.spread - SOBEL_VARIANCE)))
 
     @property
     def diagonal(self) -> float:
@@ -122,7 +122,7 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     reach = max(params.stroke_reach, params.drawing_reach)
     if signed and reach > 0.0 and len(points):
         gaps = _stroke.find_mates(head, following, points, normals, reach)
-        shifts = 0.5 * _stroke_widths(gaps, contours.offsets, params)
+        shifts = 0.5 * _stroke_widths(gaps, contours, params)
     stroke = shifts != 0.0
     if stroke.any():
         points = points + shifts[:, np.newaxis] * normals
@@ -134,16 +134,24 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     return EdgePoints(points, normals, contour, head, following, 2.0 * shifts, signed, spread)
 
 
-def _stroke_widths(gaps: FloatArray, offsets: IntArray, params: RefinedParams) -> FloatArray:
+def _noisiness(blur: float) -> float:
+    """Return how far noise decides where edges lie, by the standard deviation of the blur."""
+    return min(1.0, max(0.0, (blur - _NOISY[0]) / (_NOISY[1] - _NOISY[0])))
+
+
+def _stroke_widths(gaps: FloatArray, contours: Contours, params: RefinedParams) -> FloatArray:
     """Return the signed width of the line that each point is on, 0 for none."""
-    sizes = np.diff(offsets)
+    offsets, sizes = contours.offsets, np.diff(contours.offsets)
     least = min(_LONG, _LONG_SHARE * sizes.max())
     long = gaps[np.repeat(sizes >= least, sizes)]
     dark, bright = long[long < 0.0], long[long > 0.0]
     mates = dark if len(dark) >= len(bright) else bright
     common = float(np.median(mates)) if len(mates) else 0.0
     alike = np.count_nonzero(np.abs(mates - common) < _ALIKE)
-    common = common if alike > params.stroke_share * len(long) else 0.0
+    share = params.stroke_share
+    if not math.isnan(contours.blur):
+        share *= 1.0 - _NOISE_HIDES * _noisiness(contours.blur)
+    common = common if alike > share * len(long) else 0.0
     return _stroke.stroke_widths(gaps, offsets, params.stroke_alone, params.stroke_reach, common)
 
 
