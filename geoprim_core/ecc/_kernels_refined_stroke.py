@@ -10,6 +10,7 @@ from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_outline import Int32Array
 
+FARTHEST = 1.5  # pixels that a point in the pixel of a step may be nearer than the step
 ALIKE = 1.0  # pixels between the width of a line here and its typical width
 DOUBTED = 5.0  # points without a mate that each contour is given: short ones have mates by chance
 FOLLOWED = 5.0  # points with a mate that it is given in an image of lines
@@ -36,6 +37,8 @@ def find_mates(
         best = reach
         for side in (-1.0, 1.0):
             for step in range(1, int(reach) + 1):
+                if step - FARTHEST >= best:
+                    break
                 x = int(math.floor(points[k, 0] + side * step * normals[k, 0] + 0.5))
                 y = int(math.floor(points[k, 1] + side * step * normals[k, 1] + 0.5))
                 if x < 0 or y < 0 or x >= width or y >= height:
