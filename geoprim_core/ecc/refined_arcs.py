@@ -64,7 +64,8 @@ class EdgePoints:
     def noisiness(self) -> float:
         """How far noise decides where edges lie and break: 0 not, 1 fully.
 
-        By the blur: the edge stage blurs an image more than others when it has measured noise.
+        By the blur: the edge stage blurs an image more than others when it has measured noise, or
+        stairs, of which the outlines lie as badly.
         """
         return _noisiness(math.sqrt(max(0.0, self.spread - SOBEL_VARIANCE)))
 
