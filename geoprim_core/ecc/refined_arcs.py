@@ -22,6 +22,7 @@ _NOISY = (0.8, 1.2)  # pixels of blur from which an image counts as noisy, a lit
 _LONG = 30  # points of a contour; on shorter ones noise decides
 _LONG_SHARE = 0.5  # or that share of the longest: of small circles all contours are short
 _NOISE_HIDES = 0.35  # share of the points on lines of which noise hides the other edge
+_ONE_WIDTH = 0.75  # share of the mates across a line that are at its width: of texture, half
 _ALIKE = 0.5  # pixels between the width of a line and that of most: other gaps vary
 
 
@@ -142,18 +143,26 @@ def _noisiness(blur: float) -> float:
 
 def _stroke_widths(gaps: FloatArray, contours: Contours, params: RefinedParams) -> FloatArray:
     """Return the signed width of the line that each point is on, 0 for none."""
-    offsets, sizes = contours.offsets, np.diff(contours.offsets)
-    least = min(_LONG, _LONG_SHARE * sizes.max())
-    long = gaps[np.repeat(sizes >= least, sizes)]
+    common = _common_width(gaps, contours, params)
+    return _stroke.stroke_widths(
+        gaps, contours.offsets, params.stroke_alone, params.stroke_reach, common
+    )
+
+
+def _common_width(gaps: FloatArray, contours: Contours, params: RefinedParams) -> float:
+    """Return the signed width of the lines of a line drawing, 0 where the image is none."""
+    sizes = np.diff(contours.offsets)
+    long = gaps[np.repeat(sizes >= min(_LONG, _LONG_SHARE * sizes.max()), sizes)]
     dark, bright = long[long < 0.0], long[long > 0.0]
     mates = dark if len(dark) >= len(bright) else bright
-    common = float(np.median(mates)) if len(mates) else 0.0
-    alike = np.count_nonzero(np.abs(mates - common) < _ALIKE)
+    if len(mates) == 0:
+        return 0.0
     share = params.stroke_share
     if not math.isnan(contours.blur):
         share *= 1.0 - _NOISE_HIDES * _noisiness(contours.blur)
-    common = common if alike > share * len(long) else 0.0
-    return _stroke.stroke_widths(gaps, offsets, params.stroke_alone, params.stroke_reach, common)
+    common = float(np.median(mates))
+    alike = np.count_nonzero(np.abs(mates - common) < _ALIKE)
+    return common if alike > max(share * len(long), _ONE_WIDTH * len(mates)) else 0.0
 
 
 def _frame(contours: Contours) -> tuple[int, int]:

@@ -123,7 +123,8 @@ def test_a_drawing_of_one_circle_is_a_line_drawing_however_small(radius, width):
     assert_same(found_in(image), truth, 0.5)
 
 
-def test_texture_with_edges_side_by_side_is_no_line_drawing():
+@pytest.mark.parametrize("noise", [0.0, 15.0])
+def test_texture_with_edges_side_by_side_is_no_line_drawing(noise):
     random = np.random.default_rng(2)
     image = np.full((260, 300), 90.0)
     x = 0
@@ -132,7 +133,8 @@ def test_texture_with_edges_side_by_side_is_no_line_drawing():
         image[:, x : x + width] = 190.0
         x += width + random.integers(7, 12)
     disc = disc_image(300, 260, centre=(150.4, 130.2), radius=55.0, inside=30, outside=225)
-    image = np.where(disc == 225, image, disc).astype(np.uint8)
+    image = np.where(disc == 225, image, disc) + random.normal(0, noise, disc.shape)
+    image = np.clip(image, 0, 255).astype(np.uint8)
     trace = trace_refined(extract_contours(image))
     assert np.mean(trace.edges.stroke != 0.0) < 0.5
     assert_same(trace.detections, Ellipses.from_array([[150.4, 130.2, 55, 55, 0.0]]), 0.6)
