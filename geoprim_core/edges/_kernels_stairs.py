@@ -33,21 +33,21 @@ def hard_share(
     taken, whichever way the image is turned.
     """
     height, width = dx.shape
-    magnitudes, along_x, along_y = values.ravel(), dx.ravel(), dy.ravel()
+    magnitudes = values.ravel()
     strong = np.empty(len(flat), np.uint32)
     size = np.uint64(0)
     for place in flat:  # without a branch: whether an edge is strong is a coin toss
-        at = np.uint64(place)
-        gx, gy = abs(along_x[at]), abs(along_y[at])
         strong[size] = place
-        steep = magnitudes[at] >= least
-        size += np.uint64(steep & (min(gx, gy) >= np.float32(OBLIQUE) * max(gx, gy)))
+        size += np.uint64(magnitudes[np.uint64(place)] >= least)
     whole = octets.shape[0] > 0
     line, step = np.empty(5), np.empty(4)
     total = hard = 0.0
     for place in strong[:size]:
-        y, x = np.int64(place) // width, np.int64(place) % width
+        y = np.int64(place) // width
+        x = np.int64(place) - y * width
         gx, gy = abs(dx[y, x]), abs(dy[y, x])
+        if min(gx, gy) < OBLIQUE * max(gx, gy):
+            continue
         if x < 2 or y < 2 or x >= width - 2 or y >= height - 2:
             continue
         for axis in range(2):
