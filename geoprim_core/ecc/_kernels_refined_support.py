@@ -25,7 +25,7 @@ NEARLY_WHOLE = (0.7, 0.9)  # shares of the outline from which it counts as whole
 ROUND_BY_CHANCE = (3.0, 5.0)  # semi-minor axes in pixels at which any blob is round, and no longer
 EVEN = (0.03, 0.015)  # scatter in semi-minor axes from which a whole outline counts, and fully
 UNEVEN = 90.0  # evidence lost for a scatter of one semi-minor axis
-ROUND = (0.85, 0.95)  # ratio of the axes from which an outline is round, a little and fully
+ROUND = (0.9, 0.95)  # ratio of the axes from which an outline is round, a little and fully
 
 # Entries of the array of weights that `evidence_of` takes.
 WHOLE_WEIGHT, NOISE_SCATTER, NOISE_GAPS, ROUND_SCATTER = range(4)
