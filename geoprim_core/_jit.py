@@ -18,7 +18,7 @@ import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
@@ -124,13 +124,13 @@ def _compiled(function: Function, **options: Any) -> Function:
     options = {"nogil": True, "error_model": "numpy", "_nrt": True} | options
     base = cache_base()
     if base is None:
-        return _for_all_numbers(numba.njit(**options)(function))
+        return cast(Function, _for_all_numbers(numba.njit(**options)(function)))
     before = numba.config.CACHE_DIR
     source = Path(function.__code__.co_filename)
     # Read once, while the function is decorated.
     numba.config.CACHE_DIR = str(base / f"{source.stem.lstrip('_')}-{source_digest(source)}")
     try:
-        return _for_all_numbers(numba.njit(cache=True, **options)(function))
+        return cast(Function, _for_all_numbers(numba.njit(cache=True, **options)(function)))
     finally:
         numba.config.CACHE_DIR = before
 

@@ -8,6 +8,7 @@ from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_outline import Int32Array
 
+FARTHEST = 1.5  # pixels that a point in the pixel of a step may be nearer than the step
 ALIKE = 1.0  # pixels between the width of a line here and its typical width
 DOUBTED = 5.0  # points without a mate that each contour is given: short ones have mates by chance
 FOLLOWED = 5.0  # points with a mate that it is given in an image of lines
@@ -88,18 +89,16 @@ def find_mates(
 
 
 @kernel
-def count_sides(gaps: FloatArray, offsets: IntArray, fewest: int) -> tuple[int, int, int]:
-    """Count the points of contours of `fewest` or more: with a mate darker, brighter, and all."""
-    dark = bright = total = 0
+def gaps_of_long(gaps: FloatArray, offsets: IntArray, least: float) -> FloatArray:
+    """Return the gaps of the points of all contours of at least so many points."""
+    kept = np.empty(len(gaps))
+    size = 0
     for c in range(len(offsets) - 1):
         own = gaps[offsets[c] : offsets[c + 1]]
-        if len(own) < fewest:
-            continue
-        total += len(own)
-        for gap in own:
-            dark += gap < 0.0
-            bright += gap > 0.0
-    return dark, bright, total
+        if len(own) >= least:
+            kept[size : size + len(own)] = own
+            size += len(own)
+    return kept[:size]
 
 
 @kernel
@@ -121,34 +120,36 @@ def count_alike(gaps: FloatArray, width: float) -> int:
 
 
 @kernel
-def own_width(gaps: FloatArray, share: float) -> float:
+def own_width(gaps: FloatArray, share: float, reach: float) -> float:
     """Return the signed width of the line that a contour is an edge of by its own mates, else 0.
 
-    More than `share` of its points have a mate on one side, at one distance.
+    More than `share` of its points have a mate on one side within `reach`, at one distance.
     """
     dark = bright = 0
     for gap in gaps:
-        dark += gap < 0.0
-        bright += gap > 0.0
+        dark += -reach < gap < 0.0
+        bright += 0.0 < gap < reach
     least = share * (len(gaps) + DOUBTED)
     if max(dark, bright) <= least:
         return 0.0
     side = -1.0 if dark > bright else 1.0
-    width = np.median(gaps[side * gaps > 0.0])
+    width = np.median(gaps[(side * gaps > 0.0) & (side * gaps < reach)])
     return width if count_alike(gaps, width) > least else 0.0
 
 
 @kernel
-def stroke_widths(gaps: FloatArray, offsets: IntArray, share: float, common: float) -> FloatArray:
+def stroke_widths(
+    gaps: FloatArray, offsets: IntArray, share: float, reach: float, common: float
+) -> FloatArray:
     """Return for every point the signed width of the line that its contour is an edge of, else 0.
 
-    Each contour is judged by its own mates (`own_width`). In an image of lines, most of them
-    `common` wide (0: no such image), a contour follows the others unless it is long enough to
-    tell that it is none: crossings hide mates.
+    Each contour is judged by its own mates within `reach` (`own_width`). In an image of lines,
+    most of them `common` wide (0: no such image), a contour follows the others unless it is long
+    enough to tell that it is none: crossings hide mates.
     """
     widths = np.zeros(len(gaps))
     for c in range(len(offsets) - 1):
         own = gaps[offsets[c] : offsets[c + 1]]
         follows = common != 0.0 and count_alike(own, common) + FOLLOWED > FOLLOWING * len(own)
-        widths[offsets[c] : offsets[c + 1]] = common if follows else own_width(own, share)
+        widths[offsets[c] : offsets[c + 1]] = common if follows else own_width(own, share, reach)
     return widths

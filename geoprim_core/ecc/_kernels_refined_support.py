@@ -29,9 +29,10 @@ EVEN = (0.03, 0.015)  # scatter in semi-minor axes from which a whole outline co
 UNEVEN = 90.0  # evidence lost for a scatter of one semi-minor axis
 FEW_PIXELS = (40.0, 60.0)  # lengths of an outline in pixels up to which it is small, and no longer
 SLANTED = (0.05, 0.1)  # radians between gradients and normals from which they disagree, and fully
+ROUND = (0.9, 0.95)  # ratio of the axes from which an outline is round, a little and fully
 
 # Entries of the array of weights that `evidence_of` takes.
-WHOLE_WEIGHT, NOISE_SCATTER, NOISE_GAPS, SMALL_WEIGHT = range(4)
+WHOLE_WEIGHT, NOISE_SCATTER, NOISE_GAPS, SMALL_WEIGHT, ROUND_SCATTER = range(5)
 
 
 @kernel
@@ -77,6 +78,7 @@ def evidence_of(
     slant: float,
     length: float,
     semi_minor: float,
+    ratio: float,
     growth: float,
     outside: float,
     weights: FloatArray,
@@ -92,14 +94,17 @@ def evidence_of(
     has more for it than its length, up to a weight: few curves close evenly by chance, but
     for blobs of some pixels. In a noisy image some scatter along the support is no misfit, and a
     gap in an outline that is as good as whole no sign against it: how much comes in `weights`.
+    Blobs that close by chance have axes of any `ratio`, hardly one near 1: of the scatter of an
+    outline that is whole and round another share is no misfit.
     What is extrapolated from scattered points is as doubtful whatever scatters them. The other
     weights, here and below, are those of a logistic regression.
     """
     aligned = math.log(2.0 / (rms + 0.05)) - math.log(slant + 0.03)
     misfit = math.sqrt(max(0.0, rms * rms - weights[NOISE_SCATTER] ** 2))
+    whole = rising(share + weights[NOISE_GAPS], NEARLY_WHOLE[0], NEARLY_WHOLE[1])
+    misfit *= 1.0 - weights[ROUND_SCATTER] * whole * rising(ratio, ROUND[0], ROUND[1])
     extrapolated = 16.0 * rms / growth + 30.0 * outside
     doubt = (1.0 - share) * extrapolated + UNEVEN * misfit / semi_minor
-    whole = rising(share + weights[NOISE_GAPS], NEARLY_WHOLE[0], NEARLY_WHOLE[1])
     whole *= rising(semi_minor, ROUND_BY_CHANCE[0], ROUND_BY_CHANCE[1])
     whole *= rising(-misfit / semi_minor, -EVEN[0], -EVEN[1])
     support = 3.7 * math.log(1.0 + length * max(aligned, 0.1))
@@ -166,7 +171,8 @@ def support_evidence(
     share = min(sums[COVERED] / sums[IN_FRAME], sums[TURN_COVERED] / sums[TURN])
     rms, slant = math.sqrt(sums[SQUARES] / count), math.sqrt(sums[TURNED] / count)
     outside = 1.0 - sums[IN_FRAME] / sums[STEPS]
-    return evidence_of(share, rms, slant, length, ellipse[3], growth, outside, weights)
+    ratio = ellipse[3] / ellipse[2]
+    return evidence_of(share, rms, slant, length, ellipse[3], ratio, growth, outside, weights)
 
 
 @inner_kernel

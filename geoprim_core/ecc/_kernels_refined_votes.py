@@ -15,11 +15,13 @@ Int16Array = npt.NDArray[np.int16]
 
 CELL = 2.0  # pixels of a bin
 LEAST_RADIUS = 4.0  # pixels
-ABOVE_CHANCE = 14.0  # votes of a peak above the mean of bins, in roots of it
+ABOVE_CHANCE = 11.0  # votes of a peak above the mean of bins, in roots of it
 FACING = 0.64  # least square of the cosine between the normal of a point and its radius
+APART = 3.0  # pixels between the radii of two circles around one centre
 BANDS = (2.0, 1.5)  # pixels either side of the circle that the points of two fits are in
 LEAST_SHARE = 0.45  # points for each pixel of the outline
 ROOM = 1024  # points around a centre
+CIRCLES = 2  # around one centre, as in a target
 
 
 @kernel
@@ -133,13 +135,16 @@ def gather_facing(
 
 
 @kernel
-def radius_of(tally: IntArray) -> float:
+def radius_of(tally: IntArray, other: float) -> float:
     """Return the radius at which most points face a centre, for the root of the radius.
 
-    By that root the number of points that face it by chance scatters.
+    By that root the number of points that face it by chance scatters. Radii `APART` and less from
+    an `other` one do not count; 0 where there is none.
     """
     best = radius = 0.0
     for r in range(int(LEAST_RADIUS) - 1, len(tally) - 1):
+        if abs(r + 0.5 - other) <= APART:
+            continue
         merit = (tally[r - 1] + tally[r] + tally[r + 1]) / math.sqrt(r + 0.5)
         if merit > best:
             best, radius = merit, r + 0.5
@@ -180,7 +185,8 @@ def circles_by_votes(
 ) -> tuple[FloatArray, IntArray]:
     """Return circles (n, 5), as ellipses, of at most about `most` pixels radius, and their points.
 
-    Their centres are where many edge points put one, whichever contours these are on.
+    Their centres are where many edge points put one, whichever contours these are on; two circles
+    may have the same.
     """
     height, width = head.shape
     steps = int((most - LEAST_RADIUS) / CELL) + 1
@@ -190,22 +196,26 @@ def circles_by_votes(
     peaks = find_peaks(votes, width, height, least)
     near = np.empty(ROOM, np.int64)
     tally = np.zeros(int(most) + 3, np.int64)
-    circles, counts = np.zeros((len(peaks), 5)), np.empty(len(peaks), np.int64)
+    circles = np.zeros((CIRCLES * len(peaks), 5))
+    counts = np.empty(CIRCLES * len(peaks), np.int64)
     circle = np.empty(3)
     found = 0
     for k in range(len(peaks)):
         x, y = peaks[k, 0], peaks[k, 1]
         around = near[: gather_facing(head, following, points, normals, x, y, near, tally)]
-        circle[0], circle[1], circle[2] = x, y, radius_of(tally)
-        count = 0
-        for band in BANDS:
-            count = fit_circle(points, around, circle, band)
-            if count == 0 or circle[2] < LEAST_RADIUS - 1.0 or circle[2] > most + 1.0:
-                count = 0
-                break
-        if count > 0 and count >= LEAST_SHARE * 2.0 * math.pi * circle[2]:
-            circles[found, 0], circles[found, 1] = circle[0], circle[1]
-            circles[found, 2] = circles[found, 3] = circle[2]
-            counts[found] = count
-            found += 1
+        radius = 0.0
+        for _ in range(CIRCLES):
+            radius = radius_of(tally, radius)
+            circle[0], circle[1], circle[2] = x, y, radius
+            count = 0
+            for band in BANDS:
+                count = fit_circle(points, around, circle, band)
+                if count == 0 or circle[2] < LEAST_RADIUS - 1.0 or circle[2] > most + 1.0:
+                    count = 0
+                    break
+            if count > 0 and count >= LEAST_SHARE * 2.0 * math.pi * circle[2]:
+                circles[found, 0], circles[found, 1] = circle[0], circle[1]
+                circles[found, 2] = circles[found, 3] = circle[2]
+                counts[found] = count
+                found += 1
     return circles[:found], counts[:found]

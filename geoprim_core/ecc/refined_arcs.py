@@ -20,6 +20,10 @@ SOBEL_VARIANCE = 0.5  # of the Sobel filter as a blur, in square pixels
 
 _NOISY = (0.8, 1.2)  # pixels of blur from which an image counts as noisy, a little and fully
 _LONG = 30  # points of a contour; on shorter ones noise decides
+_LONG_SHARE = 0.5  # or that share of the longest: of small circles all contours are short
+_NOISE_HIDES = 0.35  # share of the points on lines of which noise hides the other edge
+_ONE_WIDTH = 0.75  # share of the mates across a line that are at its width: of texture, half
+_ALIKE = 0.5  # pixels between the width of a line and that of most: other gaps vary
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,10 +65,10 @@ class EdgePoints:
     def noisiness(self) -> float:
         """How far noise decides where edges lie and break: 0 not, 1 fully.
 
-        By the blur: the edge stage blurs an image more than others when it has measured noise.
+        By the blur: the edge stage blurs an image more than others when it has measured noise, or
+        stairs, of which the outlines lie as badly.
         """
-        blur = math.sqrt(max(0.0, self.spread - SOBEL_VARIANCE))
-        return min(1.0, max(0.0, (blur - _NOISY[0]) / (_NOISY[1] - _NOISY[0])))
+        return _noisiness(math.sqrt(max(0.0, self.spread - SOBEL_VARIANCE)))
 
     @property
     def diagonal(self) -> float:
@@ -103,11 +107,13 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
 
     A contour is an edge of a line when more than a share `stroke_alone` of its points have an
     edge of the opposite direction at one distance within `stroke_reach`. Where a share
-    `stroke_share` of all long contours has, the image is a line drawing: contours are edges of
-    lines unless they are long and nothing says so. The points of lines move by half the median
-    line width: both edges of a line then give one curve. Reason: each edge alone gives an ellipse
-    that is half a line off. The rim of a coin or of a lid has two edges too, of which the outer
-    one counts: half of the points of such pictures have mates, of line drawings four in five.
+    `stroke_share` of all long contours has, within `drawing_reach`, the image is a line drawing:
+    contours are edges of lines unless they are long and nothing says so. Lines have one width:
+    bricks and grass have as many edges side by side, at any distance. The points of lines move by
+    half the median line width: both edges of a line then give one curve. Reason: each edge alone
+    gives an ellipse that is half a line off. The rim of a coin or of a lid has two edges too, of
+    which the outer one counts: half of the points of such pictures have mates, of line drawings
+    four in five.
     """
     width, height = _frame(contours)
     points = contours.positions
@@ -115,9 +121,10 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     signed = contours.gradient_angle is not None
     head, following = index_points(points, normals, width, height)
     shifts = np.zeros(len(points))
-    if signed and params.stroke_reach > 0.0 and len(points):
-        gaps = _stroke.find_mates(head, following, points, normals, params.stroke_reach)
-        shifts = 0.5 * _stroke_widths(gaps, contours.offsets, params)
+    reach = max(params.stroke_reach, params.drawing_reach)
+    if signed and reach > 0.0 and len(points):
+        gaps = _stroke.find_mates(head, following, points, normals, reach)
+        shifts = 0.5 * _stroke_widths(gaps, contours, params)
     stroke = shifts != 0.0
     if stroke.any():
         points = points + shifts[:, np.newaxis] * normals
@@ -129,15 +136,34 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     return EdgePoints(points, normals, contour, head, following, 2.0 * shifts, signed, spread)
 
 
-def _stroke_widths(gaps: FloatArray, offsets: IntArray, params: RefinedParams) -> FloatArray:
+def _noisiness(blur: float) -> float:
+    """Return how far noise decides where edges lie, by the standard deviation of the blur."""
+    return min(1.0, max(0.0, (blur - _NOISY[0]) / (_NOISY[1] - _NOISY[0])))
+
+
+def _stroke_widths(gaps: FloatArray, contours: Contours, params: RefinedParams) -> FloatArray:
     """Return the signed width of the line that each point is on, 0 for none."""
-    dark, bright, total = _stroke.count_sides(gaps, offsets, _LONG)
-    common = 0.0
-    if max(dark, bright) > params.stroke_share * total:
-        sizes = np.diff(offsets)
-        long = gaps[np.repeat(sizes >= _LONG, sizes)]
-        common = float(np.median(long[long < 0.0] if dark >= bright else long[long > 0.0]))
-    return _stroke.stroke_widths(gaps, offsets, params.stroke_alone, common)
+    common = _common_width(gaps, contours, params)
+    return _stroke.stroke_widths(
+        gaps, contours.offsets, params.stroke_alone, params.stroke_reach, common
+    )
+
+
+def _common_width(gaps: FloatArray, contours: Contours, params: RefinedParams) -> float:
+    """Return the signed width of the lines of a line drawing, 0 where the image is none."""
+    longest = float(np.diff(contours.offsets).max())
+    long = _stroke.gaps_of_long(gaps, contours.offsets, min(_LONG, _LONG_SHARE * longest))
+    share = params.stroke_share
+    if not math.isnan(contours.blur):
+        share *= 1.0 - _NOISE_HIDES * _noisiness(contours.blur)
+    dark, bright = long < 0.0, long > 0.0
+    side = dark if np.count_nonzero(dark) >= np.count_nonzero(bright) else bright
+    if not np.count_nonzero(side) > share * len(long):
+        return 0.0
+    mates = long[side]
+    common = float(np.median(mates))
+    alike = np.count_nonzero(np.abs(mates - common) < _ALIKE)
+    return common if alike > max(share * len(long), _ONE_WIDTH * len(mates)) else 0.0
 
 
 def _frame(contours: Contours) -> tuple[int, int]:

@@ -211,6 +211,7 @@ def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:
             params.whole_weight,
             params.noise_scatter * edges.noisiness,
             params.noise_gaps * edges.noisiness,
-            params.small_weight * (1.0 - edges.noisiness) if edges.signed else 0.0,
+            params.small_weight * max(0.0, 1.0 - 2.0 * edges.noisiness) * edges.signed,
+            params.round_scatter,
         ]
     )

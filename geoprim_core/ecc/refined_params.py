@@ -13,14 +13,22 @@ class RefinedParams(Params):
 
     stroke_reach: float = option(
         4.0,
-        "strokes: widest line of which both edges count as one curve, 0 for none",
+        "strokes: widest line of which both edges count as one curve in any image, 0 for none",
+        unit="px",
+        low=0.0,
+        high=20.0,
+    )
+    drawing_reach: float = option(
+        6.0,
+        "strokes: widest such line in a line drawing, 0 for none",
         unit="px",
         low=0.0,
         high=20.0,
     )
     stroke_share: float = option(
-        0.65,
-        "strokes: share of the points of long contours on lines that makes a line drawing",
+        0.6,
+        "strokes: share of the points of long contours on lines of one width that makes a line "
+        "drawing",
         low=0.0,
         high=1.0,
     )
@@ -160,6 +168,12 @@ class RefinedParams(Params):
         low=0.0,
         high=30.0,
     )
+    round_scatter: float = option(
+        0.5,
+        "verification: share of the scatter of a whole and round outline that is no misfit",
+        low=0.0,
+        high=1.0,
+    )
     claim_score: float = option(
         0.975,
         "verification: score from which an ellipse takes its arcs from later candidates",
@@ -186,7 +200,7 @@ class RefinedParams(Params):
         high=10.0,
     )
     min_unclaimed: float = option(
-        0.6, "selection: least share of support not claimed by stronger ones", low=0.0, high=1.0
+        0.5, "selection: least share of support not claimed by stronger ones", low=0.0, high=1.0
     )
     max_overlap: float = option(
         0.8, "selection: largest overlap with a stronger ellipse", low=0.0, high=1.0

@@ -118,10 +118,10 @@ def image_gradient(image: AnyArray, params: EdgeParams) -> Gradient:
     With `colour` "strongest" that of a colour image is, pixel by pixel, the gradient of the
     channel where it is largest: red fruit on a belt of the same grey has an outline.
     """
-    return gradient(_channels(image, params), params.sigma)
+    return gradient(channels_of(image, params), params.sigma)
 
 
-def _channels(image: AnyArray, params: EdgeParams) -> AnyArray:
+def channels_of(image: AnyArray, params: EdgeParams) -> AnyArray:
     """Return the image whose gradient is taken, uint8 or float32: in colours or grey."""
     if image.ndim == 2 or params.colour == "gray" or params.equalise:
         return to_gray(image, equalise=params.equalise)
@@ -164,7 +164,7 @@ def _noise_share(image: AnyArray, levels: GradientLevels, params: EdgeParams) ->
     if params.noise_sigma <= params.sigma or levels.noise <= least or min(image.shape[:2]) < 3:
         return 0.0
     effect = 1.0 / (math.sqrt(8.0 * math.pi) * (params.sigma**2 + _SOBEL_VARIANCE))
-    single = effect * pixel_noise(_channels(image, params))
+    single = effect * pixel_noise(channels_of(image, params))
     return min(levels.noise, single) / levels.typical
 
 
@@ -183,14 +183,14 @@ def pixel_noise(image: AnyArray) -> float:
     """
     height, width = image.shape[:2]
     differences = np.empty((height - 2, width - 2), np.float32)
-    largest = float(_kernels_gradient.checkers(*_rows(image), differences))
+    largest = float(_kernels_gradient.checkers(*image_rows(image), differences))
     if not largest > 0.0:
         return 0.0
     median = float(_kernels.median_magnitude(differences, largest, 0.0))
     return median / (_NORMAL_MEDIAN * 6.0)  # the root of the weights' sum of squares
 
 
-def _rows(image: AnyArray) -> tuple[AnyArray, AnyArray, int]:
+def image_rows(image: AnyArray) -> tuple[AnyArray, AnyArray, int]:
     """Return an image (H, W * C) as octets or as levels, the other one empty; how many channels."""
     rows = np.ascontiguousarray(image).reshape(len(image), -1)
     channels = 1 if image.ndim == 2 else 3
@@ -213,7 +213,9 @@ def gradient(image: AnyArray, sigma: float) -> Gradient:
     scale = np.float32(1.0 / (8.0 * _KERNEL_SUM**2))
     # Made here, not in the kernel: numpy asks the system for large pages.
     dx, dy, values = (np.empty(image.shape[:2], np.float32) for _ in range(3))
-    largest, total, squares = _kernels_gradient.gradient(*_rows(image), half, scale, dx, dy, values)
+    largest, total, squares = _kernels_gradient.gradient(
+        *image_rows(image), half, scale, dx, dy, values
+    )
     # Rounded: the sums depend a little on the order, a turned image is to have the same edges.
     typical = _rounded(squares / total) if largest > 0.0 else 0.0
     return dx, dy, values, (float(largest), typical)

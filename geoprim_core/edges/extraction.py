@@ -8,7 +8,7 @@ import numpy as np
 
 from geoprim_core import _check
 from geoprim_core._check import AnyArray, BoolArray
-from geoprim_core.edges.canny import Float32Array, find_edges, steady_gradient, to_gray
+from geoprim_core.edges.canny import Float32Array, to_gray
 from geoprim_core.edges.linking import (
     EdgePixels,
     link_by_direction,
@@ -16,6 +16,7 @@ from geoprim_core.edges.linking import (
     locate_pixels,
 )
 from geoprim_core.edges.params import EdgeParams
+from geoprim_core.edges.stairs import smooth_edges
 from geoprim_core.methods import Method, Table
 from geoprim_core.params import as_params
 from geoprim_core.types import Contours
@@ -86,8 +87,7 @@ def trace_edges(image: AnyArray, params: EdgeParams | None = None) -> EdgeTrace:
     params = as_params(params, EdgeParams)
     image = _check.image(image)
     gray = to_gray(image, equalise=params.equalise)
-    dx, dy, values, levels, blur = steady_gradient(image, params)
-    flat, low, high = find_edges(dx, dy, values, params, levels)
+    dx, dy, flat, low, high, blur = smooth_edges(image, params)
     edges = np.zeros(dx.shape, np.bool_)
     edges.ravel()[flat] = True
     pixels = locate_pixels(flat, dx, dy, blur)
@@ -141,7 +141,5 @@ def extract_contours(image: AnyArray, params: EdgeParams | None = None) -> Conto
 
 def _find_pixels(image: AnyArray, params: EdgeParams) -> EdgePixels:
     """Return the edge pixels; the full-size intermediates are freed before the linking."""
-    dx, dy, values, levels, blur = steady_gradient(_check.image(image), params)
-    flat, _, _ = find_edges(dx, dy, values, params, levels)
-    del values
-    return locate_pixels(flat, dx, dy, blur)
+    found = smooth_edges(_check.image(image), params)
+    return locate_pixels(found.flat, found.dx, found.dy, found.blur)

@@ -73,6 +73,14 @@ class EdgeParams(Params):
         low=0.01,
         high=1.0,
     )
+    stair_sigma: float = option(
+        1.0,
+        "standard deviation that the blur grows to in an image drawn without grey levels in "
+        "between, 0 for no such growth",
+        unit="px",
+        low=0.0,
+        high=5.0,
+    )
     linking: str = option("direction", "how edge pixels are joined", choices=LINKINGS)
     max_turn: float = option(
         15.0,

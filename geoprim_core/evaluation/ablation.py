@@ -50,6 +50,11 @@ DEPARTURES = (
         "noise falls with the square of the blur, an edge only in proportion",
     ),
     Departure(
+        "stairs smoothed",
+        {"edges.stair_sigma": 0.0},
+        "an outline drawn without grey levels in between is a polygon with corners",
+    ),
+    Departure(
         "direction-true linking",
         {"edges.linking": "junctions"},
         "curves go on through their crossings",
@@ -61,8 +66,13 @@ DEPARTURES = (
     ),
     Departure(
         "strokes: both edges on one centre line",
-        {"ecc.refined.stroke_reach": 0.0},
+        {"ecc.refined.stroke_reach": 0.0, "ecc.refined.drawing_reach": 0.0},
         "the truth of a drawn line is its middle",
+    ),
+    Departure(
+        "wide lines in line drawings",
+        {"ecc.refined.drawing_reach": 4.0},
+        "lines of one width all over an image are lines, if they are wide too",
     ),
     Departure(
         "arcs split where no ellipse fits",
@@ -163,6 +173,11 @@ DEPARTURES = (
         "noise explains gaps",
         {"ecc.refined.noise_gaps": 0.0},
         "in noise an outline has gaps that nothing hides",
+    ),
+    Departure(
+        "scatter of round outlines counts less",
+        {"ecc.refined.round_scatter": 0.0},
+        "blobs that close by chance are hardly ever round: small dots in noise are",
     ),
     Departure(
         "search region before the fit",

@@ -192,16 +192,18 @@ def _discs(
 
 
 def _circles(
-    noisy: bool, count: int, seed: int, _: Backgrounds
+    noisy: bool, hard: bool, count: int, seed: int, _: Backgrounds
 ) -> Iterator[tuple[str, int | None, Scene]]:
     for k in range(count):
         random = np.random.default_rng([seed, k, 23])
         arrangement = ARRANGEMENTS[k % len(ARRANGEMENTS)]
         drawing = ("filled", "outlines")[k // len(ARRANGEMENTS) % 2]
         noise = float(random.uniform(5, 30)) if noisy else 0.0
+        wanted = int(random.integers(4, 13))
+        stroke = float(random.integers(1, 6)) if hard else 2.0
         scene = circles_image(
-            int(random.integers(4, 13)), seed + k, drawing=drawing, arrangement=arrangement,
-            noise=noise,
+            wanted, seed + k, drawing=drawing, arrangement=arrangement, noise=noise, stroke=stroke,
+            hard=hard,
         )  # fmt: skip
         yield f"{drawing}_{arrangement}_{seed + k}", None, scene
 
@@ -238,9 +240,11 @@ def _rows() -> Iterator[BenchmarkSet]:
     text = "calibration targets of 20 to 200 pixels, tilted, on photographs"
     yield BenchmarkSet("discs", "discs", text, _BOTH, _discs)
     text = "circles of 5 to 120 pixels radius: apart, touching, concentric"
-    yield BenchmarkSet("circles_clean", "circles", text, _BOTH, partial(_circles, False))
+    yield BenchmarkSet("circles_clean", "circles", text, _BOTH, partial(_circles, False, False))
+    hard = text + "; drawn without grey levels in between, lines of 1 to 5 pixels"
+    yield BenchmarkSet("circles_hard", "circles", hard, _BOTH, partial(_circles, False, True))
     text += "; noise of 5 to 30 grey levels"
-    yield BenchmarkSet("circles_noisy", "circles", text, _BOTH, partial(_circles, True))
+    yield BenchmarkSet("circles_noisy", "circles", text, _BOTH, partial(_circles, True, False))
     yield BenchmarkSet("noise", "noise", "noise and nothing else", (0.8,), _noise)
 
 

@@ -7,7 +7,14 @@ import numpy as np
 from geoprim_core._check import FloatArray
 from geoprim_core.errors import InputError
 from geoprim_core.synthetic.scene import Scene
-from geoprim_core.synthetic.shapes import DRAWINGS, _choice, _frame, render_ellipses, visible_shares
+from geoprim_core.synthetic.shapes import (
+    DRAWINGS,
+    GreyImage,
+    _choice,
+    _frame,
+    render_ellipses,
+    visible_shares,
+)
 from geoprim_core.synthetic.variants import degraded
 from geoprim_core.types import Ellipses
 
@@ -29,6 +36,7 @@ def circles_image(
     noise: float = 0.0,
     size: tuple[int, int] = (640, 480),
     stroke: float = 2.0,
+    hard: bool = False,
 ) -> Scene:
     """Render circles of 5 to 120 pixels radius, all inside the frame.
 
@@ -47,6 +55,8 @@ def circles_image(
     size : (width, height) in pixels
     stroke : float
         Width of the lines in pixels.
+    hard : bool
+        Draw without grey levels in between: a pixel is inside or outside.
 
     Returns
     -------
@@ -79,12 +89,32 @@ def circles_image(
     ellipses = Ellipses.from_array(rows)
     levels, ground = _grey_levels(random, len(circles), drawing)
     kind = "occluded" if drawing == "filled" else "overlapping"
-    image = render_ellipses(
-        ellipses, frame, kind=kind, drawing=drawing, levels=levels, background=ground, stroke=stroke
-    )
+    if hard:
+        image = _render_hard(circles, frame, levels, ground, stroke if kind != "occluded" else None)
+    else:
+        image = render_ellipses(
+            ellipses, frame, kind=kind, drawing=drawing, levels=levels, background=ground,
+            stroke=stroke,
+        )  # fmt: skip
     visible = visible_shares(ellipses, frame, kind="overlapping")
     labels, required = ("circle",) * len(rows), np.ones(len(rows), bool)
     return degraded(Scene(image, ellipses, visible, labels, required), noise=noise, seed=seed)
+
+
+def _render_hard(
+    circles: FloatArray,
+    frame: tuple[int, int],
+    levels: FloatArray,
+    ground: float,
+    stroke: float | None,
+) -> GreyImage:
+    """Draw discs, or lines of a width, of their own level only."""
+    x, y = np.meshgrid(np.arange(frame[0]), np.arange(frame[1]))
+    image = np.full(x.shape, ground)
+    for (cx, cy, r), level in zip(circles, levels, strict=True):
+        beyond = np.hypot(x - cx, y - cy) - r
+        image[beyond <= 0.0 if stroke is None else np.abs(beyond) <= 0.5 * stroke] = level
+    return (image + 0.5).astype(np.uint8)
 
 
 def _radius(random: np.random.Generator, frame: tuple[int, int]) -> float:

@@ -140,15 +140,16 @@ def test_a_contour_is_a_line_by_its_own_mates_or_in_a_line_drawing():
     few = np.where(np.arange(20) < 3, 2.0, 0.0)
     gaps = np.concatenate([np.full(30, 2.0), np.zeros(60), few])
     offsets = np.array([0, 30, 90, 110])
-    alone = stroke.stroke_widths(gaps, offsets, 0.7, 0.0)
+    alone = stroke.stroke_widths(gaps, offsets, 0.7, 4.0, 0.0)
     assert np.array_equal(alone, np.repeat([2.0, 0.0, 0.0], [30, 60, 20]))
-    together = stroke.stroke_widths(gaps, offsets, 0.7, 2.25)
+    assert not stroke.stroke_widths(gaps, offsets, 0.7, 1.5, 0.0).any()
+    together = stroke.stroke_widths(gaps, offsets, 0.7, 4.0, 2.25)
     assert np.array_equal(together, np.repeat([2.25, 0.0, 2.25], [30, 60, 20]))
 
 
-def evidence(share=0.6, rms=0.2, slant=0.1, length=200.0, outside=0.0, noise=(0.0, 0.0)):
-    weights = np.array([1.3, *noise])
-    return support.evidence_of(share, rms, slant, length, 40.0, 1.0, outside, weights)
+def evidence(share=0.6, rms=0.2, slant=0.1, length=200.0, outside=0.0, noise=(0.0, 0.0), ratio=0.5):
+    weights = np.array([1.3, *noise, 0.0, 0.5])
+    return support.evidence_of(share, rms, slant, length, 40.0, ratio, 1.0, outside, weights)
 
 
 def test_more_and_better_support_is_more_evidence():
@@ -186,6 +187,13 @@ def test_the_slant_of_the_gradients_is_that_of_most(ellipse, turn):
     normals[:30] = axes  # of something else that touches the ellipse
     slant = support.typical_slant(points, normals, ellipse, np.arange(80), 80)
     assert slant == pytest.approx(1.4826 * abs(sin), abs=1e-5)
+
+
+def test_scatter_counts_less_on_an_outline_that_is_whole_and_round():
+    assert evidence(share=0.95, rms=0.4, ratio=0.96) > evidence(share=0.95, rms=0.4, ratio=0.8)
+    assert evidence(share=0.95, rms=0.4, ratio=0.8) == evidence(share=0.95, rms=0.4, ratio=0.2)
+    assert evidence(share=0.6, rms=0.4, ratio=0.96) == evidence(share=0.6, rms=0.4, ratio=0.2)
+    assert evidence(share=0.95, rms=0.4, ratio=1.0) < evidence(share=0.95, rms=0.2, ratio=1.0)
 
 
 def test_clutter_and_ends_count_only_where_the_outline_is_extrapolated():

@@ -109,8 +109,35 @@ def test_a_drawn_line_gives_one_ellipse_on_its_centre_line(ink, paper):
     levels = np.array([ink])
     image = render_ellipses(truth, SIZE, drawing="outlines", levels=levels, background=paper)
     assert_same(found_in(image), truth, 0.08)
-    apart = found_in(image, RefinedParams(stroke_reach=0.0))
+    apart = found_in(image, RefinedParams(stroke_reach=0.0, drawing_reach=0.0))
     assert np.abs(apart.ellipses.semi_major - 84).min() > 0.4
+
+
+@pytest.mark.parametrize("radius", [7.0, 11.0, 30.0])
+@pytest.mark.parametrize("width", [2.0, 3.0, 5.0])
+def test_a_drawing_of_one_circle_is_a_line_drawing_however_small(radius, width):
+    truth = Ellipses.from_array([[128.3, 108.4, radius, radius, 0.0]])
+    image = render_ellipses(
+        truth, SIZE, drawing="outlines", levels=np.array([20.0]), background=225.0, stroke=width
+    )
+    assert_same(found_in(image), truth, 0.5)
+
+
+@pytest.mark.parametrize("noise", [0.0, 15.0])
+def test_texture_with_edges_side_by_side_is_no_line_drawing(noise):
+    random = np.random.default_rng(2)
+    image = np.full((260, 300), 90.0)
+    x = 0
+    while x < 300:  # bars of 3 to 6 pixels: most edges have mates, but at no one distance
+        width = random.integers(3, 7)
+        image[:, x : x + width] = 190.0
+        x += width + random.integers(7, 12)
+    disc = disc_image(300, 260, centre=(150.4, 130.2), radius=55.0, inside=30, outside=225)
+    image = np.where(disc == 225, image, disc) + random.normal(0, noise, disc.shape)
+    image = np.clip(image, 0, 255).astype(np.uint8)
+    trace = trace_refined(extract_contours(image))
+    assert np.mean(trace.edges.stroke != 0.0) < 0.5
+    assert_same(trace.detections, Ellipses.from_array([[150.4, 130.2, 55, 55, 0.0]]), 0.6)
 
 
 def lettered(image, area, ink):

@@ -48,6 +48,14 @@ def test_points_of_a_circle_in_no_order_find_it_among_others(seed, radius, x, y)
     assert off[best] < 0.5
 
 
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 10**6), st.floats(5.0, 8.0), st.floats(4.5, 6.0))
+def test_both_circles_around_one_centre_are_found(seed, radius, apart):
+    circles, _ = voted(*scattered(seed, [(70.4, 60.3, radius), (70.4, 60.3, radius + apart)]))
+    for wanted in (radius, radius + apart):
+        assert np.abs(circles[:, :3] - [70.4, 60.3, wanted]).max(axis=1).min() < 0.6
+
+
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 10**6))
 def test_points_anywhere_make_no_circle(seed):

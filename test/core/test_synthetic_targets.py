@@ -87,6 +87,18 @@ def test_a_drawn_circle_is_darkest_or_brightest_on_its_outline():
     assert (stroke * distance).sum() / stroke.sum() == pytest.approx(0, abs=0.02)
 
 
+@pytest.mark.parametrize("drawing", ["filled", "outlines"])
+def test_hard_circles_have_no_grey_levels_in_between(drawing):
+    soft, hard = (circles_image(6, 3, drawing=drawing, hard=h, stroke=3.0) for h in (False, True))
+    assert np.array_equal(soft.ellipses.array(), hard.ellipses.array())
+    assert len(np.unique(hard.image)) <= len(hard.ellipses) + 1
+    y, x = np.mgrid[: hard.image.shape[0], : hard.image.shape[1]]
+    for e in hard.ellipses:
+        beyond = np.abs(np.hypot(x - e.x, y - e.y) - e.semi_major - 1.5 * (drawing != "filled"))
+        near = (beyond > 0.6) & (beyond < 2.0)  # where both drawings are of one level
+        assert np.array_equal(soft.image[near], hard.image[near])
+
+
 planes = st.tuples(st.floats(-50, 50), st.floats(0, 0.9), st.floats(0, 6.3), st.floats(0, 6.3))
 
 
@@ -183,7 +195,7 @@ def test_the_table_has_all_variants_of_all_four_sets():
                 assert f"{kind}_{drawing}_{change}" in names
     assert set(select_sets(["all"])) == set(BENCHMARK_SETS.values())
     assert [s.name for s in select_sets(["noise", "noise", "circles"])] == [
-        "noise", "circles_clean", "circles_noisy",
+        "noise", "circles_clean", "circles_hard", "circles_noisy",
     ]  # fmt: skip
 
 
