@@ -286,7 +286,7 @@ def walk(xs: Any, ys: Any, table: Any, angle: Any, before: Any, after: Any, min_
     cell[NOWHERE, 0] = cell[NOWHERE, 1] = -9
     offset[NOWHERE, 0] = offset[NOWHERE, 1] = 0.0
     size = curves = 0
-    rings = np.int64(0)  # a constant would make a second specialisation
+    rings: Any = np.int64(0)  # a constant would make a second specialisation
     k: Any
     for ring in range(2):  # open chains from their heads, then what is left: the rings
         if ring:
