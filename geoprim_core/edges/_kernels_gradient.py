@@ -192,7 +192,7 @@ def write_rows(
     height, width = values.shape
     channels, rows = ring.shape[0], ring.shape[1]
     read = 0
-    blurred = 0
+    blurred = np.int64(0)  # a constant would make a second specialisation
     total = squares = 0.0
     for y in range(height):
         while blurred < min(y + 2, height):
@@ -257,7 +257,7 @@ def write_checkers(
     for y in range(height):
         line = ring[y % 3]
         if octets.shape[0] > 0:
-            load_octets(octets[y], lines, 0)
+            load_octets(octets[y], lines, lines.shape[1] - width)
             octet = lines[middle]
             for x in range(width):
                 line[x] = octet[x]

@@ -12,7 +12,7 @@ from geoprim_core.edges._kernels_pixels import NONE, NX, NY, OX, OY
 
 EXCESS_SHARE = 0.5
 CHUNK = 256  # pixels
-FITS, ONWARDS, TWIN = 1, 2, 4
+FITS, ONWARDS, TWIN = 1, 2, 4  # what is known of a pair, or-ed
 DOUBLE_COSINE = 0.9
 APART, UNLINKED = NONE - 1, NONE  # takes no part; no neighbour yet
 

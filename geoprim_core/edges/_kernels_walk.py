@@ -285,7 +285,8 @@ def walk(xs: Any, ys: Any, table: Any, angle: Any, before: Any, after: Any, min_
     stops = np.empty(count, np.int64)
     cell[NOWHERE, 0] = cell[NOWHERE, 1] = -9
     offset[NOWHERE, 0] = offset[NOWHERE, 1] = 0.0
-    size = curves = rings = 0
+    size = curves = 0
+    rings: Any = np.int64(0)  # a constant would make a second specialisation
     k: Any
     for ring in range(2):  # open chains from their heads, then what is left: the rings
         if ring:
