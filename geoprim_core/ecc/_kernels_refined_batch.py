@@ -8,6 +8,7 @@ known when it is compiled: whether two of them overlap need not be asked at run 
 from __future__ import annotations
 
 import math
+from typing import cast
 
 import numpy as np
 
@@ -20,6 +21,7 @@ SAMPLES = 12  # points of an arc that an ellipse is measured by
 BATCH = 64  # pairs that are fitted together
 ALONG = 0.9  # cosine between the inner normals of an arc and of an ellipse that it may lie on
 TINY = 1e-300
+FIRST = cast(int, np.int64(0))  # typed: numba may compile a kernel anew for a literal number
 
 # Where rows of `BATCH` numbers begin: moments of either arc ([5 p + q] as in `add_point`), from the
 # middle of the arc to the origin of its pair, that origin, the conic a x^2 + b xy + ... + f, its
@@ -214,7 +216,7 @@ def fit_pairs(
     refuse_lengths(lengths, size, max_size, min_share, work)
     refuse_normals(samples, table, first, size, work)
     refuse_normals(samples, table, second, size, work)
-    found = 0
+    found = FIRST
     for k in range(size):
         worst = 0.0
         for side in range(2):  # the shorter arc first: the fit follows the longer one

@@ -298,7 +298,7 @@ def add_support(
     for first in range(start, end, CHUNK):
         last = min(first + CHUNK, end)
         noted = find_windows(head, ellipse, cos, sin, walk, first, last, sums)
-        size = 0
+        size = FIRST
         for k in range(noted):
             corner = np.int64(walk.windows[0, k]) - width - 1
             size = look(flat, corner, width, walk.windows[1, k], walk.seen, size)
