@@ -124,29 +124,12 @@ def _compiled(function: Function, **options: Any) -> Function:
     options = {"nogil": True, "error_model": "numpy", "_nrt": True} | options
     base = cache_base()
     if base is None:
-        return cast(Function, _for_all_numbers(numba.njit(**options)(function)))
+        return cast(Function, numba.njit(**options)(function))
     before = numba.config.CACHE_DIR
     source = Path(function.__code__.co_filename)
     # Read once, while the function is decorated.
     numba.config.CACHE_DIR = str(base / f"{source.stem.lstrip('_')}-{source_digest(source)}")
     try:
-        return cast(Function, _for_all_numbers(numba.njit(cache=True, **options)(function)))
+        return cast(Function, numba.njit(cache=True, **options)(function))
     finally:
         numba.config.CACHE_DIR = before
-
-
-def _for_all_numbers(compiled: Any) -> Any:
-    """Let a kernel have one form for all numbers that other kernels call it with.
-
-    numba takes a literal number, a zero that a loop starts from say, for a type of its own and
-    compiles what is called with it once more for that: a twelfth of all compiling. The compiler
-    still sees the number wherever it puts the one kernel into the other.
-    """
-    resolve = compiled.get_call_template
-
-    def resolve_all_numbers(args: Any, kws: Any) -> Any:
-        plain = {name: numba.types.unliteral(kind) for name, kind in dict(kws).items()}
-        return resolve(tuple(numba.types.unliteral(kind) for kind in args), plain)
-
-    compiled.get_call_template = resolve_all_numbers
-    return compiled

@@ -200,7 +200,7 @@ class RefinedParams(Params):
         high=10.0,
     )
     min_unclaimed: float = option(
-        0.5, "selection: least share of support not claimed by stronger ones", low=0.0, high=1.0
+        0.6, "selection: least share of support not claimed by stronger ones", low=0.0, high=1.0
     )
     max_overlap: float = option(
         0.8, "selection: largest overlap with a stronger ellipse", low=0.0, high=1.0

@@ -76,7 +76,12 @@ def test_a_summing_kernel_gives_the_sum_each_time():
 
 
 def test_every_kernel_has_one_specialisation():
-    """In a process of its own, as other tests call kernels with what they like."""
+    """As called from Python; in a process of its own, as other tests call them with what they like.
+
+    All kernels are in the cache then: one that is compiled has a form for each literal number too.
+    """
+    warm = "from geoprim_core.warm import warm_kernels; warm_kernels()"
+    subprocess.run([sys.executable, "-c", warm], check=True)
     script = """
 from importlib import import_module
 from pathlib import Path
