@@ -20,6 +20,23 @@ def is_hard(step: Any, before: Any, after: Any) -> Any:
     return beside <= HARD * abs(step)
 
 
+@inner_kernel
+def hardness(levels: Any, place: Any, hop: Any) -> Any:
+    """Return the square of the largest step at a place of an image, and whether it is hard.
+
+    The steps are those between neighbours `hop` apart. Of two as large both are looked at,
+    whichever way the image is turned.
+    """
+    before, left = np.float64(levels[place - hop - hop]), np.float64(levels[place - hop])
+    here = np.float64(levels[place])
+    right, after = np.float64(levels[place + hop]), np.float64(levels[place + hop + hop])
+    down, up = here - left, right - here
+    hard = abs(down) < abs(up) or is_hard(down, left - before, up)
+    hard &= abs(up) < abs(down) or is_hard(up, down, after - right)
+    largest = max(abs(down), abs(up))
+    return largest * largest, hard
+
+
 @kernel
 def hard_share(
     flat: Any, values: Any, dx: Any, dy: Any, least: Any, octets: Any, levels: Any, channel: Any
@@ -28,41 +45,38 @@ def hard_share(
 
     Of those whose gradient is `least` or more, each with the square of its step: texture and noise
     are low. The image is `octets` or, where that is empty, `levels`: (H, W * S), S values a pixel,
-    of which one `channel` is looked at. Of two axes or steps as good both are taken, whichever way
-    the image is turned.
+    of which one `channel` is looked at. Of two axes as good both are taken.
     """
     height, width = dx.shape
-    magnitudes = values.ravel()
+    magnitudes, along, across = values.ravel(), dx.ravel(), dy.ravel()
     strong = np.empty(len(flat), np.uint32)
     size = np.uint64(0)
     for place in flat:  # without a branch: whether an edge is strong is a coin toss
         strong[size] = place
         size += np.uint64(magnitudes[np.uint64(place)] >= least)
     whole = octets.shape[0] > 0
-    stride = (octets.shape[1] if whole else levels.shape[1]) // width
-    line, step = np.empty(5), np.empty(4)
+    whole_levels, real_levels = octets.ravel(), levels.ravel()
+    stride = np.uint64((octets.shape[1] if whole else levels.shape[1]) // width)
+    first, last = np.uint64(2 * width), np.uint64(max(height - 2, 0) * width)
+    row = np.uint64(0)  # where the row of a pixel begins: they rise
     total = hard = 0.0
-    for place in strong[:size]:
-        y = np.int64(place) // width
-        x = np.int64(place) - y * width
-        gx, gy = abs(dx[y, x]), abs(dy[y, x])
-        if min(gx, gy) < OBLIQUE * max(gx, gy):
+    for rising in strong[:size]:
+        place = np.uint64(rising)
+        gx, gy = abs(along[place]), abs(across[place])
+        if min(gx, gy) < OBLIQUE * max(gx, gy) or place < first or place >= last:
             continue
-        if x < 2 or y < 2 or x >= width - 2 or y >= height - 2:
+        while row + np.uint64(width) <= place:
+            row += np.uint64(width)
+        if place - row < 2 or place - row >= width - 2:
             continue
-        for axis in range(2):
-            if (gx < gy) if axis == 0 else (gy < gx):
+        at = place * stride + np.uint64(channel)
+        for hop in (stride, stride * np.uint64(width)):
+            if (gx < gy) if hop == stride else (gy < gx):
                 continue
-            for k in range(5):
-                row = y + (k - 2 if axis == 1 else 0)
-                at_x = (x + (k - 2 if axis == 0 else 0)) * stride + channel
-                line[k] = octets[row, at_x] if whole else levels[row, at_x]
-            for k in range(4):
-                step[k] = line[k + 1] - line[k]
-            first, second = abs(step[1]) >= abs(step[2]), abs(step[2]) >= abs(step[1])
-            sharp = not first or is_hard(step[1], step[0], step[2])
-            sharp &= not second or is_hard(step[2], step[1], step[3])
-            weight = max(abs(step[1]), abs(step[2])) ** 2
+            if whole:
+                weight, sharp = hardness(whole_levels, at, hop)
+            else:
+                weight, sharp = hardness(real_levels, at, hop)
             total += weight
             hard += weight if sharp else 0.0
     return hard / total if total > 0.0 else 0.0

@@ -53,7 +53,7 @@ class EllipseDetections(Frozen):
         count = len(self.ellipses)
         for name in ("score", "coverage", "alignment", "continuity"):
             values = _check.finite(getattr(self, name), name, (count,))
-            if ((values < 0) | (values > 1)).any():
+            if count and not (values.min() >= 0.0 and values.max() <= 1.0):
                 raise InputError(name, "numbers in [0, 1]", f"{values.min()} to {values.max()}")
             self._set(**{name: values})
         self._set(

@@ -53,7 +53,7 @@ class Ellipses(Frozen):
         self._set(x=x, **rest)
         if not ((self.semi_major >= self.semi_minor) & (self.semi_minor > 0)).all():
             raise InputError("semi_major, semi_minor", "semi_major >= semi_minor > 0", "others")
-        if not ((self.angle >= 0) & (self.angle < np.pi)).all():
+        if len(x) and not (self.angle.min() >= 0.0 and self.angle.max() < np.pi):
             raise InputError("angle", "angles in [0, pi)", "others")
 
     def __len__(self) -> int:
