@@ -21,7 +21,7 @@ from geoprim_core.edges.canny import (
 )
 from geoprim_core.edges.params import EdgeParams
 
-_STAIRS = (0.35, 0.55)  # shares of hard steps from which an image has stairs, a little and fully
+_STAIRS = (0.5, 0.7)  # shares of hard steps from which an image has stairs, a little and fully
 
 
 class Edges(NamedTuple):
@@ -40,8 +40,9 @@ def smooth_edges(image: AnyArray, params: EdgeParams) -> Edges:
 
     What is drawn without grey levels in between has outlines of steps: a small circle is a polygon
     with corners, at which contours end. Where the steps of oblique edges are hard, from one level
-    to the other between two pixels, the blur grows up to `stair_sigma`. No camera gives such
-    edges; what a renderer or a print has smoothed keeps its blur.
+    to the other between two pixels, the blur grows up to `stair_sigma`. The edges of a camera are
+    softer, those of sharpened and reduced photographs in up to half of their pixels; what a
+    renderer or a print has smoothed keeps its blur.
     """
     dx, dy, values, levels, blur = steady_gradient(image, params)
     flat, low, high = find_edges(dx, dy, values, params, levels)
