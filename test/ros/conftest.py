@@ -1,6 +1,7 @@
 """A graph of its own for every test: own domain, this machine only, nodes in an own context."""
 
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -14,6 +15,12 @@ os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
 os.environ.setdefault("ROS_LOG_DIR", tempfile.mkdtemp(prefix="geoprim_ros_log_"))
+
+# The programs that tests end by a signal inherit what this process ignores: hang-ups under nohup,
+# interrupts and quits in the background of a shell.
+for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT):
+    if signal.getsignal(number) is signal.SIG_IGN:
+        signal.signal(number, signal.SIG_DFL)
 
 rclpy = pytest.importorskip("rclpy")
 pytest.importorskip("geoprim_msgs.msg")

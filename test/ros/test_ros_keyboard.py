@@ -61,7 +61,6 @@ class Terminal:
 
         def take_it():
             fcntl.ioctl(0, termios.TIOCSCTTY, 0)
-            signal.signal(signal.SIGHUP, signal.SIG_DFL)  # what runs the tests may ignore it
 
         self.process = subprocess.Popen(
             [sys.executable, *map(str, words)], stdin=theirs, stdout=theirs, stderr=theirs,
