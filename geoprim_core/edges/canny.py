@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import cast
 
@@ -112,17 +112,12 @@ def _half_of_weights(sigma: float) -> Float32Array:
     return np.concatenate((half, np.zeros(max(3 - len(half), 0), np.float32)))
 
 
-def image_gradient(image: AnyArray, params: EdgeParams) -> Gradient:
-    """Return what `gradient` does of an image of any kind.
-
-    With `colour` "strongest" that of a colour image is, pixel by pixel, the gradient of the
-    channel where it is largest: red fruit on a belt of the same grey has an outline.
-    """
-    return gradient(channels_of(image, params), params.sigma)
-
-
 def channels_of(image: AnyArray, params: EdgeParams) -> AnyArray:
-    """Return the image whose gradient is taken, uint8 or float32: in colours or grey."""
+    """Return the image whose gradient is taken, uint8 or float32: in colours or grey.
+
+    With `colour` "strongest" the gradient of a colour image is, pixel by pixel, that of the channel
+    where it is largest: red fruit on a belt of the same grey has an outline.
+    """
     if image.ndim == 2 or params.colour == "gray" or params.equalise:
         return to_gray(image, equalise=params.equalise)
     return image if image.dtype == np.uint8 else _stretched(image[:, :, :3])
@@ -131,7 +126,7 @@ def channels_of(image: AnyArray, params: EdgeParams) -> AnyArray:
 def steady_gradient(
     image: AnyArray, params: EdgeParams
 ) -> tuple[Float32Array, Float32Array, Float32Array, GradientLevels, float]:
-    """Return the gradient as `image_gradient`, of an image blurred more where it is noisy.
+    """Return the gradient of an image as `channels_of` gives it, blurred more where it is noisy.
 
     The standard deviation of the gradient's noise falls with the variance of the blur (that of
     the Sobel filter is 1/2), the height of an edge only with its root. So the blur grows until
@@ -143,14 +138,14 @@ def steady_gradient(
     ----------
     J. Immerkaer, Fast noise variance estimation, CVIU 64 (1996), with the median.
     """
-    dx, dy, values, extent = image_gradient(image, params)
+    dx, dy, values, extent = gradient(image, params.sigma)
     levels = gradient_levels(values, extent, params)
     growth = _noise_share(image, levels, params) / params.noise_share
     if not growth > 1.0:
         return dx, dy, values, levels, params.sigma
     variance = growth**2 * (params.sigma**2 + _SOBEL_VARIANCE) - _SOBEL_VARIANCE
     sigma = min(params.noise_sigma, math.sqrt(variance))
-    dx, dy, values, extent = image_gradient(image, replace(params, sigma=sigma))
+    dx, dy, values, extent = gradient(image, sigma)
     return dx, dy, values, gradient_levels(values, extent, params), sigma
 
 
@@ -164,7 +159,7 @@ def _noise_share(image: AnyArray, levels: GradientLevels, params: EdgeParams) ->
     if params.noise_sigma <= params.sigma or levels.noise <= least or min(image.shape[:2]) < 3:
         return 0.0
     effect = 1.0 / (math.sqrt(8.0 * math.pi) * (params.sigma**2 + _SOBEL_VARIANCE))
-    single = effect * pixel_noise(channels_of(image, params))
+    single = effect * pixel_noise(image)
     return min(levels.noise, single) / levels.typical
 
 

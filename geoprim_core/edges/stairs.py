@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +13,8 @@ from geoprim_core.edges.canny import (
     UInt32Array,
     channels_of,
     find_edges,
+    gradient,
     gradient_levels,
-    image_gradient,
     image_rows,
     steady_gradient,
 )
@@ -44,24 +43,24 @@ def smooth_edges(image: AnyArray, params: EdgeParams) -> Edges:
     softer, those of sharpened and reduced photographs in up to half of their pixels; what a
     renderer or a print has smoothed keeps its blur.
     """
-    dx, dy, values, levels, blur = steady_gradient(image, params)
+    channels = channels_of(image, params)  # once: other types than 8 bits are stretched
+    dx, dy, values, levels, blur = steady_gradient(channels, params)
     flat, low, high = find_edges(dx, dy, values, params, levels)
     if params.stair_sigma > blur:
-        share = hard_share(image, params, flat, values, dx, dy, levels.typical)
+        share = hard_share(channels, flat, values, dx, dy, levels.typical)
         first, full = _STAIRS
         growth = min(1.0, max(0.0, (share - first) / (full - first)))
         sigma = params.sigma + growth * (params.stair_sigma - params.sigma)
         if sigma > blur:
             blur = sigma
-            dx, dy, values, extent = image_gradient(image, replace(params, sigma=sigma))
+            dx, dy, values, extent = gradient(channels, sigma)
             levels = gradient_levels(values, extent, params)
             flat, low, high = find_edges(dx, dy, values, params, levels)
     return Edges(dx, dy, flat, low, high, blur)
 
 
 def hard_share(
-    image: AnyArray,
-    params: EdgeParams,
+    channels: AnyArray,
     flat: UInt32Array,
     values: Float32Array,
     dx: Float32Array,
@@ -73,10 +72,10 @@ def hard_share(
     Of edges whose gradient is at least `least`. About one half in pure noise, which has no grey
     levels in between either.
     """
-    octets, grays, channels = image_rows(channels_of(image, params))
+    octets, grays, count = image_rows(channels)
     share = float(
         _kernels_stairs.hard_share(
-            flat, values, dx, dy, np.float32(least), octets, grays, channels // 2
+            flat, values, dx, dy, np.float32(least), octets, grays, count // 2
         )
     )
     return round(share * 2.0**12) / 2.0**12  # a turned image has its sums in another order

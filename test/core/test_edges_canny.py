@@ -12,7 +12,7 @@ from skimage import data
 from geoprim_core.edges import EdgeParams, extract_contours, trace_edges
 from geoprim_core.edges.canny import (
     gaussian_weights,
-    image_gradient,
+    gradient,
     pixel_noise,
     steady_gradient,
     to_gray,
@@ -241,17 +241,17 @@ def noisy_disc(deviation: float) -> np.ndarray:
 
 def test_an_image_without_noise_keeps_its_blur_to_the_bit():
     for image in (noisy_disc(0.0), data.coins(), data.astronaut()):
-        plain = image_gradient(image, EdgeParams())
+        plain = gradient(image, EdgeParams().sigma)
         for one, other in zip(plain[:3], steady_gradient(image, EdgeParams()), strict=False):
             np.testing.assert_array_equal(one, other)
 
 
 def test_the_blur_grows_in_noise_up_to_its_limit():
     image = noisy_disc(25.0)
-    most = image_gradient(image, EdgeParams(sigma=1.2))
+    most = gradient(image, 1.2)
     for one, other in zip(most[:3], steady_gradient(image, EdgeParams()), strict=False):
         np.testing.assert_array_equal(one, other)
-    plain = image_gradient(image, EdgeParams())
+    plain = gradient(image, EdgeParams().sigma)
     kept = steady_gradient(image, EdgeParams(noise_sigma=0.0))
     np.testing.assert_array_equal(plain[2], kept[2])
     assert extract_contours(image).blur == 1.2

@@ -5,7 +5,7 @@ import pytest
 
 from geoprim_core.ecc import DetectorParams, detect_ellipses
 from geoprim_core.edges import EdgeParams, extract_contours
-from geoprim_core.edges.canny import find_edges, steady_gradient
+from geoprim_core.edges.canny import channels_of, find_edges, steady_gradient
 from geoprim_core.edges.stairs import hard_share, smooth_edges
 from geoprim_core.synthetic import circles_image, thesis_image
 
@@ -20,9 +20,10 @@ def hard_disc(radius, size=120, low=30, high=220):
 
 def share_of(image):
     """Return the share of hard steps of an image."""
-    dx, dy, values, levels, _ = steady_gradient(image, PLAIN)
+    channels = channels_of(image, PLAIN)
+    dx, dy, values, levels, _ = steady_gradient(channels, PLAIN)
     flat, _, _ = find_edges(dx, dy, values, PLAIN, levels)
-    return hard_share(image, PLAIN, flat, values, dx, dy, levels.typical)
+    return hard_share(channels, flat, values, dx, dy, levels.typical)
 
 
 def test_all_steps_of_an_image_of_two_levels_are_hard():

@@ -256,7 +256,7 @@ def test_the_ends_do_not_depend_on_where_a_closed_contour_starts(start, back, su
     points = 50 + 30 * np.stack([np.cos(t), np.sin(t)], axis=1)
     stamp = (np.arange(240) < supported).astype(np.int32)
     order = np.roll(np.arange(240), start)[:: -1 if back else 1]
-    assert continuing(points[order], np.zeros(240, np.int32), stamp[order]) == 1.0
+    assert continuing(points[order], np.zeros(240, np.int64), stamp[order]) == 1.0
 
 
 @settings(max_examples=60, deadline=None)
@@ -354,7 +354,7 @@ def test_only_crossing_points_that_nothing_claims_are_counted():
     normals = np.tile([0.0, 1.0], (80, 1))
     head, following = support.index_points(points, normals, 120, 100)
     claimed = np.zeros(80, bool)
-    stamp = np.zeros(80, np.int32)
+    stamp = np.zeros(80, np.int64)
     count = clutter.count_crossings(head, following, points, normals, circle, claimed, stamp, 1)
     assert count == 6  # three pixels wide on either side
     claimed[40:] = True
