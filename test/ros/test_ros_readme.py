@@ -1,4 +1,4 @@
-"""The README is true: its tables are those of the code, and its commands run as they stand."""
+"""README and docs/ros.md are true: tables are those of the code, commands run as they stand."""
 
 import os
 import re
@@ -21,13 +21,13 @@ from geoprim_core.io.process import process_bag
 from geoprim_core.synthetic import disc_image
 
 ROOT = Path(__file__).resolve().parents[2]
-README = (ROOT / "README.md").read_text()
+PAGES = (ROOT / "README.md").read_text() + (ROOT / "docs" / "ros.md").read_text()
 
 
 def commands():
-    """Return every shell command of the README, comments and continuations folded away."""
+    """Return every shell command of the pages, comments and continuations folded away."""
     found = []
-    for block in re.findall(r"```sh\n(.*?)```", README, re.DOTALL):
+    for block in re.findall(r"```sh\n(.*?)```", PAGES, re.DOTALL):
         for line in block.replace("\\\n", " ").splitlines():
             words = line.split("#")[0].strip()
             if words:
