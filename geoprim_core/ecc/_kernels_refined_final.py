@@ -206,7 +206,7 @@ def finish(
     spread: float,
     gap: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the selected ellipses refitted, their covariances and their saliency criteria.
+    """Return the selected ellipses refitted, their covariances and their saliency criteria (3, n).
 
     `spread` is the variance of the blur that is undone, points beside gaps longer than `gap`
     are left out.
@@ -217,7 +217,7 @@ def finish(
     smoothing = math.sqrt(spread) if spread > 0.0 else 1.0
     rows = np.empty((count, 5))
     covariances = np.empty((count, 5, 5))
-    saliency = np.empty((count, 3))
+    saliency = np.empty((3, count))
     for s in range(count):
         k = selected[s]
         chosen = support[offsets[k] : offsets[k + 1]]
@@ -231,6 +231,6 @@ def finish(
         width = refit_tightly(inner, ellipse, max_size, min_size)
         rows[s] = ellipse
         covariances[s] = covariance_of(inner, ellipse, width, smoothing)
-        saliency[s, 0], saliency[s, 2] = gap_figures(parameter, ellipse)
-        saliency[s, 1] = alignment_of(points, order, ends, arc_of, chosen, ellipse, tally)
+        saliency[0, s], saliency[2, s] = gap_figures(parameter, ellipse)
+        saliency[1, s] = alignment_of(points, order, ends, arc_of, chosen, ellipse, tally)
     return rows, covariances, saliency

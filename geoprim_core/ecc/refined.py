@@ -329,9 +329,7 @@ def refit_chosen(
     return EllipseDetections(
         Ellipses.from_array(rows),
         score[order],
-        saliency[:, 0],
-        saliency[:, 1],
-        saliency[:, 2],
+        *saliency,
         covariance,
         image_size,
     )

@@ -120,7 +120,7 @@ def _contours(
     points, fine, tilt, offsets, closed = _kernels_walk.walk(
         pixels.x, pixels.y, pixels.table, angle, before, after, params.min_length
     )
-    return Contours(
+    return Contours.unchecked(
         points=points,
         offsets=offsets,
         closed=closed,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,6 +17,7 @@ from geoprim_core.edges.linking import (
     link_without_junctions,
     locate_pixels,
 )
+from geoprim_core.types import Contours
 
 CENTRE = (70.3, 60.8)
 LINKINGS = TABLE.names
@@ -44,6 +47,17 @@ def slices(contours):
     return [slice(a, b) for a, b in zip(contours.offsets[:-1], contours.offsets[1:], strict=True)]
 
 
+def check_form(contours):
+    """They were built unchecked: the checks would not have changed a thing."""
+    names = [field.name for field in fields(contours)]
+    checked = Contours(*(getattr(contours, name) for name in names))
+    for name in names:
+        value, wanted = getattr(contours, name), getattr(checked, name)
+        assert type(value) is type(wanted)
+        assert value is wanted or np.array_equal(value, wanted, equal_nan=name == "blur")
+        assert getattr(value, "dtype", None) == getattr(wanted, "dtype", None)
+
+
 def check_laws(contours, shape, params):
     """What holds for the contours of every image."""
     height, width = shape
@@ -54,6 +68,7 @@ def check_laws(contours, shape, params):
     assert (np.abs(contours.subpixel - points) <= 0.5).all()
     np.testing.assert_array_equal(contours.subpixel * 256, np.rint(contours.subpixel * 256))
     np.testing.assert_array_equal(contours.gradient_angle, np.float32(contours.gradient_angle))
+    check_form(contours)
     for curve, closed in zip(contours, contours.closed, strict=True):
         assert len(curve) >= params.min_length
         steps = np.abs(np.diff(curve, axis=0)).max(axis=1)
