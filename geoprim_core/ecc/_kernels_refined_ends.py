@@ -25,30 +25,26 @@ NEARBY = 3  # pixels around the end of a gap in which an edge may cross
 
 
 @kernel
-def neighbours_of(points: FloatArray, contour: IntArray) -> IntArray:
+def neighbours_of(points: FloatArray, offsets: IntArray) -> Int32Array:
     """Return the points (N, 2) before and after each on its contour, -1 beyond its ends.
 
     Where both ends meet the contour goes on: its first point is anywhere.
     """
-    total = len(points)
-    links = np.empty((total, 2), np.int64)
-    first = 0
-    for k in range(total):
-        links[k, 0], links[k, 1] = k - 1, k + 1
-        if k == 0 or contour[k] != contour[k - 1]:
-            first = k
-            links[k, 0] = -1
-        if k + 1 == total or contour[k] != contour[k + 1]:
-            links[k, 1] = -1
-            dx, dy = points[k, 0] - points[first, 0], points[k, 1] - points[first, 1]
-            if k >= first + LEAST_CLOSED and dx * dx + dy * dy <= CLOSING * CLOSING:
-                links[k, 1], links[first, 0] = first, k
+    links = np.empty((len(points), 2), np.int32)
+    for c in range(len(offsets) - 1):
+        first, last = offsets[c], offsets[c + 1] - 1
+        for k in range(first, last + 1):
+            links[k, 0], links[k, 1] = k - 1, k + 1
+        if first <= last:
+            dx, dy = points[last, 0] - points[first, 0], points[last, 1] - points[first, 1]
+            meet = last >= first + LEAST_CLOSED and dx * dx + dy * dy <= CLOSING * CLOSING
+            links[last, 1], links[first, 0] = (first, last) if meet else (-1, -1)
     return links
 
 
 @inner_kernel
 def continuing_share(
-    links: IntArray, stamp: Int32Array, mark: int, chosen: IntArray, count: int
+    links: Int32Array, stamp: Int32Array, mark: int, chosen: IntArray, count: int
 ) -> float:
     """Return the share of the ends of supporting runs at which the contour goes on elsewhere.
 

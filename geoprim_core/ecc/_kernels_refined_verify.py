@@ -100,7 +100,7 @@ def describe(
     following: Int32Array,
     points: FloatArray,
     normals: FloatArray,
-    links: IntArray,
+    links: Int32Array,
     walk: Walk,
     ellipse: FloatArray,
     sums: FloatArray,
@@ -145,7 +145,7 @@ def verify(
     normals: FloatArray,
     order: IntArray,
     ends: IntArray,
-    contour: IntArray,
+    contours: IntArray,
     table: FloatArray,
     arcs: IntArray,
     candidates: FloatArray,
@@ -179,7 +179,7 @@ def verify(
     offsets = np.zeros(room + 1, np.int64)
     support = np.empty(4 * total + 1, np.int64)
     arc_of = arcs_of_points(order, ends, total)
-    links = neighbours_of(points, contour)
+    links = neighbours_of(points, contours)
     owners = np.empty((len(ends), SLOTS), np.int64)
     counts = np.zeros((4, len(ends)), np.int64)
     owned, taken, tally, tries = counts[0], counts[1], counts[2], counts[3]

@@ -326,10 +326,13 @@ def refit_chosen(
         edges.spread if params.undo_blur else 0.0,
         _final.GAP + (_final.NOISE_GAP - _final.GAP) * noise,
     )
+    coverage, alignment, continuity = saliency
     return EllipseDetections(
         Ellipses.from_array(rows),
         score[order],
-        *saliency,
+        coverage,
+        alignment,
+        continuity,
         covariance,
         image_size,
     )

@@ -19,8 +19,6 @@ from geoprim_core.types import Contours
 SOBEL_VARIANCE = 0.5  # of the Sobel filter as a blur, in square pixels
 
 _NOISY = (0.8, 1.2)  # pixels of blur from which an image counts as noisy, a little and fully
-_LONG = 30  # points of a contour; on shorter ones noise decides
-_LONG_SHARE = 0.5  # or that share of the longest: of small circles all contours are short
 _NOISE_HIDES = 0.35  # share of the points on lines of which noise hides the other edge
 _ONE_WIDTH = 0.75  # share of the mates across a line that are at its width: of texture, half
 _ALIKE = 0.5  # pixels between the width of a line and that of most: other gaps vary
@@ -36,8 +34,8 @@ class EdgePoints:
         Positions in pixels; with strokes, moved to the stroke's centre line.
     normals : (N, 2) float64
         Unit vectors along the gradient, from dark to bright.
-    contour : (N,) int64
-        The contour that each point is on; along one the points follow each other.
+    offsets : (K + 1,) int64
+        Contour k is `points[offsets[k]:offsets[k + 1]]`.
     head : (H, W) int32
         The first edge point of every pixel, -1 for none.
     following : (N,) int32
@@ -54,7 +52,7 @@ class EdgePoints:
 
     points: FloatArray
     normals: FloatArray
-    contour: IntArray
+    offsets: IntArray
     head: Int32Array
     following: Int32Array
     stroke: FloatArray
@@ -120,20 +118,24 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     normals = _normals(contours)
     signed = contours.gradient_angle is not None
     head, following = index_points(points, normals, width, height)
-    shifts = np.zeros(len(points))
+    stroke, moved = np.zeros(len(points)), 0
     reach = max(params.stroke_reach, params.drawing_reach)
     if signed and reach > 0.0 and len(points):
-        gaps = _stroke.find_mates(head, following, points, normals, reach)
-        shifts = 0.5 * _stroke_widths(gaps, contours, params)
-    stroke = shifts != 0.0
-    if stroke.any():
-        points = points + shifts[:, np.newaxis] * normals
+        gaps, drawn = _stroke.find_mates(
+            head, following, points, normals, contours.offsets, reach, params.stroke_alone,
+            params.stroke_reach, _drawing_share(contours, params),
+        )  # fmt: skip
+        common = _common_width(gaps, contours, params) if drawn else 0.0
+        stroke, moved = _stroke.stroke_widths(
+            gaps, contours.offsets, params.stroke_alone, params.stroke_reach, common
+        )
+    if moved:
+        points = points + (0.5 * stroke)[:, np.newaxis] * normals
         head, following = index_points(points, normals, width, height)
     located = signed and contours.subpixel is not None and not math.isnan(contours.blur)
     spread = contours.blur**2 + SOBEL_VARIANCE if located else 0.0
-    contour = _stroke.contour_of_points(contours.offsets)
-    signed = signed and 2 * int(np.count_nonzero(stroke)) <= len(points)
-    return EdgePoints(points, normals, contour, head, following, 2.0 * shifts, signed, spread)
+    signed = signed and 2 * moved <= len(points)
+    return EdgePoints(points, normals, contours.offsets, head, following, stroke, signed, spread)
 
 
 def _noisiness(blur: float) -> float:
@@ -141,21 +143,17 @@ def _noisiness(blur: float) -> float:
     return min(1.0, max(0.0, (blur - _NOISY[0]) / (_NOISY[1] - _NOISY[0])))
 
 
-def _stroke_widths(gaps: FloatArray, contours: Contours, params: RefinedParams) -> FloatArray:
-    """Return the signed width of the line that each point is on, 0 for none."""
-    common = _common_width(gaps, contours, params)
-    return _stroke.stroke_widths(
-        gaps, contours.offsets, params.stroke_alone, params.stroke_reach, common
-    )
+def _drawing_share(contours: Contours, params: RefinedParams) -> float:
+    """Return the share of the points of long contours on lines that makes a line drawing."""
+    if math.isnan(contours.blur):
+        return params.stroke_share
+    return params.stroke_share * (1.0 - _NOISE_HIDES * _noisiness(contours.blur))
 
 
 def _common_width(gaps: FloatArray, contours: Contours, params: RefinedParams) -> float:
     """Return the signed width of the lines of a line drawing, 0 where the image is none."""
-    longest = float(np.diff(contours.offsets).max())
-    long = _stroke.gaps_of_long(gaps, contours.offsets, min(_LONG, _LONG_SHARE * longest))
-    share = params.stroke_share
-    if not math.isnan(contours.blur):
-        share *= 1.0 - _NOISE_HIDES * _noisiness(contours.blur)
+    long = _stroke.gaps_of_long(gaps, contours.offsets)
+    share = _drawing_share(contours, params)
     dark, bright = long < 0.0, long > 0.0
     side = dark if np.count_nonzero(dark) >= np.count_nonzero(bright) else bright
     if not np.count_nonzero(side) > share * len(long):

@@ -177,7 +177,7 @@ def verify(
         edges.normals,
         arcs.indices,
         arcs.offsets,
-        edges.contour,
+        edges.offsets,
         arcs.table,
         candidates.arcs,
         candidates.ellipses,

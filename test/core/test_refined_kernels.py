@@ -127,24 +127,58 @@ def test_gap_figures_of_a_half_circle():
     assert abs(continuity - (1 - 1.5 / np.pi)) < 0.02
 
 
+def mates_of_lines(lengths, share, alone=0.93):
+    """Return what `find_mates` does on two level edges 2.25 px apart, and their offsets.
+
+    The points of one go far, those of the other in contours of given lengths.
+    """
+    x = np.arange(10.0, 10.0 + max(200, sum(lengths)))
+    edges = [
+        np.stack([x[:n], np.full(n, y)], axis=1) for n, y in ((len(x), 20), (sum(lengths), 22.25))
+    ]
+    normals = np.repeat([[0.0, -1.0], [0.0, 1.0]], [len(e) for e in edges], axis=0)
+    points = np.concatenate(edges)
+    head, following = support.index_points(points, normals, len(x) + 20, 40)
+    offsets = np.cumsum([0, len(x), *lengths])
+    return *stroke.find_mates(
+        head, following, points, normals, offsets, 4.0, alone, 4.0, share
+    ), offsets
+
+
 def test_the_edges_of_a_line_are_mates_across_its_width():
-    x = np.arange(10.0, 40.0)
-    points = np.concatenate([np.stack([x, 0 * x + y], axis=1) for y in (20.0, 22.25)])
-    normals = np.repeat([[0.0, -1.0], [0.0, 1.0]], len(x), axis=0)
-    head, following = support.index_points(points, normals, 60, 40)
-    gaps = stroke.find_mates(head, following, points, normals, 4.0)
+    gaps, drawn, _ = mates_of_lines([200], 0.6)
     assert np.allclose(gaps, -2.25)
+    assert drawn
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.integers(1, 150), min_size=1, max_size=5), st.floats(0.0, 1.0), st.floats(0.3, 1.0)
+)
+def test_mates_that_are_not_looked_for_would_change_nothing(lengths, share, alone):
+    every, always, offsets = mates_of_lines(lengths, 0.0, alone)
+    some, drawn, _ = mates_of_lines(lengths, share, alone)
+    assert always
+    long = stroke.gaps_of_long(every, offsets)
+    assert drawn == (np.count_nonzero(long) > share * len(long))
+    assert np.array_equal(some[some != 0.0], every[some != 0.0])
+    if drawn:
+        assert np.array_equal(some, every)
+    widths = [stroke.stroke_widths(gaps, offsets, alone, 4.0, 0.0)[0] for gaps in (some, every)]
+    assert np.array_equal(*widths)
 
 
 def test_a_contour_is_a_line_by_its_own_mates_or_in_a_line_drawing():
     few = np.where(np.arange(20) < 3, 2.0, 0.0)
     gaps = np.concatenate([np.full(30, 2.0), np.zeros(60), few])
     offsets = np.array([0, 30, 90, 110])
-    alone = stroke.stroke_widths(gaps, offsets, 0.7, 4.0, 0.0)
+    alone, count = stroke.stroke_widths(gaps, offsets, 0.7, 4.0, 0.0)
     assert np.array_equal(alone, np.repeat([2.0, 0.0, 0.0], [30, 60, 20]))
-    assert not stroke.stroke_widths(gaps, offsets, 0.7, 1.5, 0.0).any()
-    together = stroke.stroke_widths(gaps, offsets, 0.7, 4.0, 2.25)
+    assert count == 30
+    assert not stroke.stroke_widths(gaps, offsets, 0.7, 1.5, 0.0)[0].any()
+    together, count = stroke.stroke_widths(gaps, offsets, 0.7, 4.0, 2.25)
     assert np.array_equal(together, np.repeat([2.25, 0.0, 2.25], [30, 60, 20]))
+    assert count == 50
 
 
 def evidence(share=0.6, rms=0.2, slant=0.1, length=200.0, outside=0.0, noise=(0.0, 0.0), ratio=0.5):
@@ -231,10 +265,10 @@ def upper_half(count=120):
     return circle[:2] + 30 * normals, normals, circle
 
 
-def continuing(points, contour, stamp):
+def continuing(points, offsets, stamp):
     """Return the share of ends at which a contour goes on, of the points that are stamped."""
     chosen = np.flatnonzero(stamp)
-    links = ends.neighbours_of(points, contour)
+    links = ends.neighbours_of(points, np.array(offsets))
     return ends.continuing_share(links, stamp, 1, chosen, len(chosen))
 
 
@@ -242,11 +276,10 @@ def test_a_contour_that_goes_on_elsewhere_is_told_from_one_that_ends():
     points = np.stack([np.arange(120.0), np.zeros(120)], axis=1)
     stamp = np.ones(120, np.int32)
     stamp[100:] = 0
-    one, two = np.zeros(120, np.int64), np.repeat([0, 1], [100, 20])
-    assert continuing(points, one, stamp) == 0.5
-    assert continuing(points, two, stamp) == 0.0
+    assert continuing(points, [0, 120], stamp) == 0.5
+    assert continuing(points, [0, 100, 120], stamp) == 0.0
     stamp[103] = 1  # a few points off the outline are no end
-    assert continuing(points[:104], one[:104], stamp[:104]) == 0.0
+    assert continuing(points[:104], [0, 104], stamp[:104]) == 0.0
 
 
 @settings(max_examples=40, deadline=None)
@@ -256,7 +289,7 @@ def test_the_ends_do_not_depend_on_where_a_closed_contour_starts(start, back, su
     points = 50 + 30 * np.stack([np.cos(t), np.sin(t)], axis=1)
     stamp = (np.arange(240) < supported).astype(np.int32)
     order = np.roll(np.arange(240), start)[:: -1 if back else 1]
-    assert continuing(points[order], np.zeros(240, np.int64), stamp[order]) == 1.0
+    assert continuing(points[order], [0, 240], stamp[order]) == 1.0
 
 
 @settings(max_examples=60, deadline=None)
