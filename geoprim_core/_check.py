@@ -30,7 +30,7 @@ def _canonical(value: object, shape: tuple[int | None, ...]) -> bool:
     """Tell in a microsecond of an array that it needs no conversion: fits take only a few."""
     return (
         type(value) is np.ndarray
-        and value.dtype is _FLOAT
+        and value.dtype == _FLOAT  # kernels kept on disk make descriptors of their own
         and value.flags.c_contiguous
         and value.ndim == len(shape)
         and shape[0] in (None, value.shape[0])

@@ -71,8 +71,7 @@ def describe_arcs(
     normals: FloatArray,
     order: IntArray,
     ends: IntArray,
-    min_sagitta: float,
-) -> tuple[FloatArray, FloatArray, BoolArray]:
+) -> tuple[FloatArray, FloatArray]:
     """Return a table of arcs and their moments about their own middle point.
 
     Columns: 0-1 middle; 2-7 start, middle, end of the arc; 8-13 inner normals near these; 14-15
@@ -134,20 +133,43 @@ def describe_arcs(
             far = max(far, x * x + y * y)
             add_point(moments[i], x, y)
         row[19] = math.sqrt(far)
-    keep = table[:, 17] >= min_sagitta
-    return table, moments, keep
+    return table, moments
 
 
 @kernel
-def gather(indices: IntArray, ends: IntArray, chosen: IntArray) -> tuple[IntArray, IntArray]:
-    """Return the indices of the chosen arcs, one after the other, and their offsets."""
+def longest_first(table: FloatArray, min_sagitta: float) -> IntArray:
+    """Return the arcs that are high enough: longest first, of those as long the highest first.
+
+    Of those as high that which comes first in the table.
+    """
+    kept = np.flatnonzero(table[:, 17] >= min_sagitta)
+    kept = kept[np.argsort(-table[kept, 17], kind="mergesort")]
+    lengths = table[kept, 18].astype(np.int64)
+    starts = np.zeros(lengths.max() + 2 if len(kept) > 0 else 2, np.int64)
+    for length in lengths:
+        starts[length] += 1
+    for length in range(len(starts) - 2, -1, -1):
+        starts[length] += starts[length + 1]
+    order = np.empty_like(kept)
+    for k in range(len(kept)):
+        at = starts[lengths[k] + 1]
+        order[at] = kept[k]
+        starts[lengths[k] + 1] += 1
+    return order
+
+
+@kernel
+def gather(
+    indices: IntArray, ends: IntArray, table: FloatArray, moments: FloatArray, chosen: IntArray
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+    """Return the indices of the chosen arcs, their offsets, table and moments."""
     offsets = np.zeros(len(chosen) + 1, np.int64)
     for k in range(len(chosen)):
         offsets[k + 1] = offsets[k] + ends[chosen[k] + 1] - ends[chosen[k]]
     result = np.empty(offsets[-1], np.int64)
     for k in range(len(chosen)):
         result[offsets[k] : offsets[k + 1]] = indices[ends[chosen[k]] : ends[chosen[k] + 1]]
-    return result, offsets
+    return result, offsets, table[chosen], moments[chosen]
 
 
 @kernel

@@ -277,20 +277,3 @@ def pair_arcs(
             )  # fmt: skip
             waiting = 0
     return arcs[:found], values[:found], looked, every, share
-
-
-@kernel
-def arranged(
-    arcs: IntArray, values: FloatArray, order: IntArray
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return the arcs, ranks and ellipses of candidates in the given order."""
-    pairs = np.empty((len(order), 2), np.int64)
-    ranks = np.empty(len(order))
-    ellipses = np.empty((len(order), 5))
-    for k in range(len(order)):
-        at = np.uint64(order[k])
-        pairs[k, 0], pairs[k, 1] = arcs[at, 0], arcs[at, 1]
-        ranks[k] = values[at, 0]
-        for column in range(5):
-            ellipses[k, column] = values[at, column + 1]
-    return pairs, ranks, ellipses

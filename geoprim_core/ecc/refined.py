@@ -87,12 +87,20 @@ class Selection:
     ----------
     chosen : (n,) int64
         Indices of the verified ellipses that are reported, in the order of their choice.
-    reasons : texts, one a verified ellipse
-        Why it is not reported; empty for those that are.
+    outcome : (V,) int64
+        What became of each verified ellipse, an index of `OUTCOMES`.
+    claimed : (N,) bool
+        Which edge points are on the outline of one that is reported.
     """
 
     chosen: IntArray
-    reasons: tuple[str, ...]
+    outcome: IntArray
+    claimed: BoolArray
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why each verified ellipse is not reported; empty for those that are."""
+        return tuple(OUTCOMES[k] for k in self.outcome.tolist())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -177,8 +185,7 @@ def trace_refined(
     arcs = split_arcs(edges, contours, settings)
     candidates = vote(edges, pair_arcs(edges, arcs, settings), settings)
     verified = cross_check(edges, verify(edges, arcs, candidates, settings), settings)
-    verified = explain(edges, verified, settings)
-    selection = select(edges, verified, settings)
+    verified, selection = accept(edges, verified, settings)
     detections = refit_chosen(edges, arcs, verified, selection, contours.image_size, settings)
     left_out = what_was_left_out(candidates, verified, settings)
     if left_out:
@@ -221,19 +228,22 @@ def cross_check(edges: EdgePoints, verified: Verified, params: RefinedParams) ->
         params.prediction_weight,
         SCORE_MAP.evidence_of(params.min_score),
     )
-    return replace(verified, figures=figures)
+    return verified.weighed(figures)
 
 
-def explain(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Verified:
-    """Weigh again the evidence of each ellipse, now that it is known what crosses its outline.
+def accept(
+    edges: EdgePoints, verified: Verified, params: RefinedParams
+) -> tuple[Verified, Selection]:
+    """Select ellipses and, now that it is known what crosses each outline, weigh all and select.
 
     Edges across an outline are a sign of texture, in which ellipses are found by chance, unless
-    they are the outlines of other ellipses. A first selection tells which these are.
+    they are the outlines of other ellipses. A first selection tells which these are; it stands
+    where as many ellipses have enough evidence afterwards.
     """
+    selection = select(edges, verified, params)
     if not params.explain_crossings:
-        return verified
-    _, _, claimed = _choose(edges, verified, params)
-    figures = _clutter.explain_crossings(
+        return verified, selection
+    figures, changed = _clutter.explain_crossings(
         edges.head,
         edges.following,
         edges.points,
@@ -241,10 +251,11 @@ def explain(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Ver
         verified.ellipses,
         verified.figures,
         verified.offsets,
-        claimed,
+        selection.claimed,
         SCORE_MAP.evidence_of(params.min_score),
     )
-    return replace(verified, figures=figures)
+    verified = verified.weighed(figures)
+    return verified, select(edges, verified, params) if changed else selection
 
 
 def select(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Selection:
@@ -261,15 +272,7 @@ def select(edges: EdgePoints, verified: Verified, params: RefinedParams) -> Sele
     ----------
     Thesis 5.5.1 (similar ellipses), 5.5.4 (selection).
     """
-    chosen, outcome, _ = _choose(edges, verified, params)
-    return Selection(chosen, tuple(OUTCOMES[k] for k in outcome.tolist()))
-
-
-def _choose(
-    edges: EdgePoints, verified: Verified, params: RefinedParams
-) -> tuple[IntArray, IntArray, BoolArray]:
-    """Return the chosen ellipses, the outcome of each, and which edge points they claim."""
-    return _select.select(
+    chosen, outcome, claimed = _select.select(
         edges.head,
         edges.following,
         edges.points,
@@ -284,6 +287,7 @@ def _choose(
         params.max_overlap if edges.signed else max(params.max_overlap, params.max_line_overlap),
         params.min_woven,
     )
+    return Selection(chosen, outcome, claimed)
 
 
 def refit_chosen(

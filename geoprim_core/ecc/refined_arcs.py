@@ -202,10 +202,6 @@ def split_arcs(edges: EdgePoints, contours: Contours, params: RefinedParams) -> 
     indices, ends = _split.split_misfits(
         edges.points, indices, ends, vertices, params.max_arc_rms, params.min_arc
     )
-    table, moments, keep = _arcs.describe_arcs(
-        edges.points, edges.normals, indices, ends, params.min_sagitta
-    )
-    kept = np.flatnonzero(keep)
-    kept = kept[np.lexsort((-table[kept, 17], -table[kept, 18]))]  # not by where they lie
-    indices, offsets = _arcs.gather(indices, ends, kept)
-    return SmoothArcs(indices, offsets, table[kept], moments[kept])
+    table, moments = _arcs.describe_arcs(edges.points, edges.normals, indices, ends)
+    kept = _arcs.longest_first(table, params.min_sagitta)  # not by where they lie
+    return SmoothArcs(*_arcs.gather(indices, ends, table, moments, kept))

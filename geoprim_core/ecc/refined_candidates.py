@@ -11,6 +11,7 @@ from geoprim_core._check import FloatArray, IntArray
 from geoprim_core.ecc import _kernels_refined_pairs as _pairs
 from geoprim_core.ecc import _kernels_refined_verify as _verify
 from geoprim_core.ecc import _kernels_refined_votes as _votes
+from geoprim_core.ecc._kernels_refined_order import best_first
 from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs
 from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.ecc.refined_score import SCORE_MAP
@@ -88,6 +89,18 @@ class Verified:
         """The probability that each ellipse is right, by its evidence."""
         return SCORE_MAP.probability(self.figures[:, 0])
 
+    def weighed(self, figures: FloatArray) -> Verified:
+        """Return the same ellipses with other figures."""
+        return Verified(
+            self.ellipses,
+            figures,
+            self.offsets,
+            self.support,
+            self.source,
+            self.walked,
+            self.complete,
+        )
+
 
 def pair_arcs(edges: EdgePoints, arcs: SmoothArcs, params: RefinedParams) -> Candidates:
     """Fit an ellipse to every arc and to every two arcs that may belong together.
@@ -119,19 +132,8 @@ def pair_arcs(edges: EdgePoints, arcs: SmoothArcs, params: RefinedParams) -> Can
         edges.signed and params.same_polarity,
         params.max_pairs,
     )
-    order = _best_first(members, values[:, 0])
     complete = share <= params.min_pair_share
-    best_first = _pairs.arranged(members, values, order)
-    return Candidates(*best_first, int(looked), int(possible), share, complete)
-
-
-def _best_first(members: IntArray, rank: FloatArray) -> IntArray:
-    """Return the order of falling rank, of equals that of the arcs."""
-    order = np.argsort(-rank)  # not stable, but several times as quick as sorting by three keys
-    sorted_rank = rank[order]
-    if np.any(sorted_rank[1:] == sorted_rank[:-1]):
-        order = np.lexsort((members[:, 1], members[:, 0], -rank))
-    return order
+    return Candidates(*best_first(members, values), int(looked), int(possible), share, complete)
 
 
 def vote(edges: EdgePoints, candidates: Candidates, params: RefinedParams) -> Candidates:

@@ -9,6 +9,7 @@ import numpy as np
 
 from geoprim_core import _check
 from geoprim_core._check import FloatArray
+from geoprim_core.ecc._kernels_refined_score import line_through
 from geoprim_core.errors import InputError
 
 MOST_LOG_ODDS = 30.0
@@ -68,7 +69,7 @@ class ScoreMap:
 
     def log_odds_of(self, evidence: FloatArray) -> FloatArray:
         """Return the log odds (n,) for evidence (n,)."""
-        return _line(np.asarray(evidence, float), self.evidence, self.log_odds)
+        return line_through(np.ascontiguousarray(evidence, float), self.evidence, self.log_odds)
 
     def evidence_of(self, probability: float) -> float:
         """Return the evidence that has a probability, infinite at 0 and 1."""
@@ -81,15 +82,7 @@ def _evidence_of(score_map: ScoreMap, probability: float) -> float:
     if probability <= 0.0 or probability >= 1.0:
         return np.inf if probability >= 1.0 else -np.inf
     odds = np.array([np.log(probability / (1.0 - probability))])
-    return float(_line(odds, score_map.log_odds, score_map.evidence)[0])
-
-
-def _line(values: FloatArray, xs: FloatArray, ys: FloatArray) -> FloatArray:
-    """Return the piecewise linear function through (xs, ys), straight beyond its ends."""
-    piece = np.searchsorted(xs[1:-1], values)
-    slope = (ys[1:] - ys[:-1]) / (xs[1:] - xs[:-1])
-    result: FloatArray = ys[piece] + slope[piece] * (values - xs[piece])
-    return result
+    return float(line_through(odds, score_map.log_odds, score_map.evidence)[0])
 
 
 # Fitted by `geoprim calibrate FOLDER --fit --scenes 8 --seed 1000 --singles 0` on rendered scenes

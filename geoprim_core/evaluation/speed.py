@@ -19,7 +19,7 @@ from geoprim_core.ecc import (
     detect_from_contours,
     find_polygons,
 )
-from geoprim_core.ecc.refined import explain, refit_chosen, select
+from geoprim_core.ecc.refined import accept, cross_check, refit_chosen
 from geoprim_core.ecc.refined_arcs import gather_edges, split_arcs
 from geoprim_core.ecc.refined_candidates import pair_arcs, verify, vote
 from geoprim_core.edges import extract_contours
@@ -128,8 +128,8 @@ def _time_steps(image: AnyArray, params: DetectorParams, now: Callable[[], float
     clock.append(now())
     verified = verify(edges, arcs, candidates, settings)
     clock.append(now())
-    verified = explain(edges, verified, settings)
-    chosen = select(edges, verified, settings)
+    verified = cross_check(edges, verified, settings)
+    verified, chosen = accept(edges, verified, settings)
     refit_chosen(edges, arcs, verified, chosen, contours.image_size, settings)
     clock.append(now())
     return [*np.diff(clock), _time_whole(image, params, now)]

@@ -127,6 +127,16 @@ def test_gap_figures_of_a_half_circle():
     assert abs(continuity - (1 - 1.5 / np.pi)) < 0.02
 
 
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.integers(10, 13), st.integers(0, 4)), max_size=40))
+def test_arcs_stand_longest_first_then_highest_then_as_they_came(rows):
+    table = np.zeros((len(rows), 20))
+    table[:, [18, 17]] = np.array(rows, float).reshape(-1, 2)
+    expected = np.lexsort((-table[:, 17], -table[:, 18]))
+    assert np.array_equal(arcs.longest_first(table, 0.0), expected)
+    assert np.array_equal(arcs.longest_first(table, 2.0), expected[table[expected, 17] >= 2.0])
+
+
 def mates_of_lines(lengths, share, alone=0.93):
     """Return what `find_mates` does on two level edges 2.25 px apart, and their offsets.
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from geoprim_core.ecc import _kernels_refined_batch as batch
 from geoprim_core.ecc import _kernels_refined_fit as fit
+from geoprim_core.ecc import _kernels_refined_order as order
 from geoprim_core.ecc import _kernels_refined_pairs as pairs
 from geoprim_core.ecc.refined import trace_refined
 from geoprim_core.ecc.refined_arcs import gather_edges, split_arcs
@@ -156,3 +157,21 @@ def test_the_fit_of_a_pair_is_that_of_the_points_of_both_arcs(seed):
             fit.add_point(total, (px - x) / row[2], (py - y) / row[2])
         assert fit.fit_moments(total, x, y, 1.0 / row[2], ellipse)
         np.testing.assert_allclose(row[:4], ellipse[:4], rtol=1e-6)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(0, 300), st.sampled_from([0.0, 1e-12, 1.0, 1e6]))
+def test_candidates_stand_by_falling_rank_and_of_equals_by_their_arcs(seed, count, spread):
+    """Also where single precision tells no two of them apart."""
+    random = np.random.default_rng(seed)
+    members = random.permuted(np.indices((20, 20)).reshape(2, -1).T, axis=0)[:count] - [0, 1]
+    values = np.empty((count, 6))
+    values[:, 0] = 1.0 + spread * random.choice(random.random(max(1, count // 2)), count)
+    values[:, 1:] = random.random((count, 5))
+    expected = np.lexsort((members[:, 1], members[:, 0], -values[:, 0]))
+    arcs, rank, ellipses = order.best_first(members, values)
+    assert np.array_equal(rank, values[expected, 0])
+    assert np.array_equal(arcs, members[expected])
+    assert np.array_equal(np.sort(ellipses, axis=0), np.sort(values[:, 1:], axis=0))
+    if len(np.unique(values[:, 0])) == count:
+        assert np.array_equal(ellipses, values[expected, 1:])

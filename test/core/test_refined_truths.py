@@ -7,7 +7,7 @@ import pytest
 
 from geoprim_core.ecc import detect_ellipses
 from geoprim_core.ecc._kernels_refined_covariance import BLUR_DOUBT
-from geoprim_core.ecc.refined import OUTCOMES, detect_refined, trace_refined
+from geoprim_core.ecc.refined import OUTCOMES, detect_refined, select, trace_refined
 from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.edges import EdgeParams, extract_contours
 from geoprim_core.errors import InputError, ParameterError
@@ -318,6 +318,17 @@ def test_every_verified_ellipse_is_reported_or_says_why_not(busy):
     assert len(trace.detections) == len(trace.selection.chosen)
     weak = [k for k, reason in enumerate(reasons) if reason == OUTCOMES[0]]
     assert np.all(trace.verified.score[weak] < RefinedParams().min_score)
+
+
+@pytest.mark.parametrize("min_score", [0.5, 0.8, 0.95])
+def test_the_selection_is_that_by_the_evidence_told_whether_or_not_it_was_made_anew(
+    busy, min_score
+):
+    params = RefinedParams(min_score=min_score)
+    trace = trace_refined(extract_contours(busy.image), None, params)
+    again = select(trace.edges, trace.verified, params)
+    assert np.array_equal(again.chosen, trace.selection.chosen)
+    assert again.reasons == trace.selection.reasons
 
 
 def test_the_bounds_on_work_say_when_they_bit(busy):
