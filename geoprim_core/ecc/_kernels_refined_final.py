@@ -192,6 +192,23 @@ def unshrunk(
     return moved
 
 
+@inner_kernel
+def are_sound(rows: FloatArray, saliency: FloatArray, score: FloatArray) -> bool:
+    """Tell whether `EllipseDetections` would accept ellipses, their criteria and scores.
+
+    Comparisons with what is not a number are false.
+    """
+    sound = True
+    for k in range(rows.shape[1]):
+        sound &= (rows[2, k] >= rows[3, k]) & (rows[3, k] > 0.0) & (rows[2, k] < math.inf)
+        sound &= (abs(rows[0, k]) < math.inf) & (abs(rows[1, k]) < math.inf)
+        sound &= (rows[4, k] >= 0.0) & (rows[4, k] < math.pi)
+        sound &= (score[k] >= 0.0) & (score[k] <= 1.0)
+        for criterion in range(3):
+            sound &= (saliency[criterion, k] >= 0.0) & (saliency[criterion, k] <= 1.0)
+    return sound
+
+
 @kernel
 def finish(
     points: FloatArray,
@@ -201,25 +218,29 @@ def finish(
     offsets: IntArray,
     support: IntArray,
     selected: IntArray,
+    score: FloatArray,
     max_size: float,
     min_size: float,
     spread: float,
     gap: float,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the selected ellipses refitted, their covariances and their saliency criteria (3, n).
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, bool]:
+    """Return the selected ellipses (5, n) refitted, saliency criteria (3, n), covariances, scores.
+
+    They stand by falling score. Last comes whether the checks of the detections would pass.
 
     `spread` is the variance of the blur that is undone, points beside gaps longer than `gap`
     are left out.
     """
     arc_of = arcs_of_points(order, ends, len(points))
     tally = np.zeros(len(ends), np.int64)
+    best = np.argsort(-score, kind="mergesort")
     count = len(selected)
     smoothing = math.sqrt(spread) if spread > 0.0 else 1.0
-    rows = np.empty((count, 5))
+    rows = np.empty((5, count))
     covariances = np.empty((count, 5, 5))
     saliency = np.empty((3, count))
     for s in range(count):
-        k = selected[s]
+        k = selected[best[s]]
         chosen = support[offsets[k] : offsets[k + 1]]
         ellipse = ellipses[k].copy()
         moved = unshrunk(points, chosen, ellipse, spread)
@@ -229,8 +250,9 @@ def finish(
         kept = support_inside(parameter, ellipse, gap)
         inner = moved[kept]
         width = refit_tightly(inner, ellipse, max_size, min_size)
-        rows[s] = ellipse
+        rows[:, s] = ellipse
         covariances[s] = covariance_of(inner, ellipse, width, smoothing)
         saliency[0, s], saliency[2, s] = gap_figures(parameter, ellipse)
         saliency[1, s] = alignment_of(points, order, ends, arc_of, chosen, ellipse, tally)
-    return rows, covariances, saliency
+    score = score[best]
+    return rows, saliency, covariances, score, are_sound(rows, saliency, score)

@@ -61,8 +61,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from geoprim_core._check import BoolArray, IntArray, describe
 from geoprim_core.ecc import _kernels_refined_clutter as _clutter
 from geoprim_core.ecc import _kernels_refined_final as _final
@@ -313,30 +311,34 @@ def refit_chosen(
     ----------
     Thesis (5-10), (5-12), (5-13) for coverage, alignment and continuity.
     """
-    score = SCORE_MAP.probability(verified.figures[selection.chosen, 0])
-    order = np.argsort(-score, kind="stable")
-    best = selection.chosen[order]
     noise = edges.noisiness if params.noise_gaps > 0.0 else 0.0
-    rows, covariance, saliency = _final.finish(
+    rows, saliency, covariance, score, sound = _final.finish(
         edges.points,
         arcs.indices,
         arcs.offsets,
         verified.ellipses,
         verified.offsets,
         verified.support,
-        best,
+        selection.chosen,
+        SCORE_MAP.probability(verified.figures[selection.chosen, 0]),
         params.max_size * edges.diagonal,
         params.min_semi_minor,
         edges.spread if params.undo_blur else 0.0,
         _final.GAP + (_final.NOISE_GAP - _final.GAP) * noise,
     )
+    x, y, semi_major, semi_minor, angle = rows
     coverage, alignment, continuity = saliency
-    return EllipseDetections(
-        Ellipses.from_array(rows),
-        score[order],
-        coverage,
-        alignment,
-        continuity,
-        covariance,
-        image_size,
+    return EllipseDetections.made(
+        sound,  # if not, the checks say what is wrong
+        ellipses=Ellipses.made(
+            sound, x=x, y=y, semi_major=semi_major, semi_minor=semi_minor, angle=angle
+        ),
+        score=score,
+        coverage=coverage,
+        alignment=alignment,
+        continuity=continuity,
+        covariance=covariance,
+        image_size=image_size,
+        complete=True,
+        reason="",
     )

@@ -14,6 +14,8 @@ from geoprim_core.errors import InputError
 
 MOST_LOG_ODDS = 30.0
 """Beyond, a probability is told from one no longer."""
+LEAST_LOG_ODDS = -700.0
+"""Beyond, it is no number in double precision."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,14 +64,15 @@ class ScoreMap:
 
     def probability(self, evidence: FloatArray) -> FloatArray:
         """Return the probability (n,) in [0, 1] for evidence (n,)."""
-        odds = self.log_odds_of(evidence)
-        odds = np.minimum(np.maximum(odds, -700.0), MOST_LOG_ODDS)
+        odds = line_through(
+            _row(evidence), self.evidence, self.log_odds, LEAST_LOG_ODDS, MOST_LOG_ODDS
+        )
         result: FloatArray = 1.0 / (1.0 + np.exp(-odds))
         return result
 
     def log_odds_of(self, evidence: FloatArray) -> FloatArray:
         """Return the log odds (n,) for evidence (n,)."""
-        return line_through(np.ascontiguousarray(evidence, float), self.evidence, self.log_odds)
+        return line_through(_row(evidence), self.evidence, self.log_odds, -np.inf, np.inf)
 
     def evidence_of(self, probability: float) -> float:
         """Return the evidence that has a probability, infinite at 0 and 1."""
@@ -82,7 +85,11 @@ def _evidence_of(score_map: ScoreMap, probability: float) -> float:
     if probability <= 0.0 or probability >= 1.0:
         return np.inf if probability >= 1.0 else -np.inf
     odds = np.array([np.log(probability / (1.0 - probability))])
-    return float(line_through(odds, score_map.log_odds, score_map.evidence)[0])
+    return float(line_through(odds, score_map.log_odds, score_map.evidence, -np.inf, np.inf)[0])
+
+
+def _row(values: FloatArray) -> FloatArray:
+    return np.ascontiguousarray(values, float)
 
 
 # Fitted by `geoprim calibrate FOLDER --fit --scenes 8 --seed 1000 --singles 0` on rendered scenes

@@ -34,11 +34,13 @@ def median_magnitude(values: Any, largest: Any, least: Any) -> Any:
     height, width = values.shape
     scale = np.float32((HISTOGRAM_BINS - 1) / math.sqrt(largest))
     edge = np.float32((math.floor(math.sqrt(min(least, largest)) * scale) / scale) ** 2 * 0.99999)
-    above = 0
+    above = np.int64(0)
     for y in range(height):
-        above += exceeds(values[y], edge)
-    if 2 * (values.size - above) >= values.size:
-        return 0.0
+        above += np.int64(exceeds(values[y], edge))
+        if 2 * (above + (height - 1 - y) * width) <= values.size:  # whatever is in the rest
+            return 0.0
+        if 2 * above > values.size:
+            break
     counts = np.zeros((2, HISTOGRAM_BINS), np.int32)
     bins = np.empty(width, np.int32)
     for y in range(height):

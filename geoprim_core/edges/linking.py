@@ -120,7 +120,8 @@ def _contours(
     points, fine, tilt, offsets, closed = _kernels_walk.walk(
         pixels.x, pixels.y, pixels.table, angle, before, after, params.min_length
     )
-    return Contours.unchecked(
+    return Contours.made(
+        True,
         points=points,
         offsets=offsets,
         closed=closed,

@@ -11,12 +11,14 @@ class Frozen:
     __slots__ = ()
 
     @classmethod
-    def unchecked(cls, **values: Any) -> Self:
-        """Build from all fields in the form that the checks would return, without the checks.
+    def made(cls, sound: bool, **values: Any) -> Self:
+        """Build from all fields; without the checks where they are known to be `sound`.
 
-        For what kernels of this package have just made: to look again at each of some ten thousand
-        points costs more than to write them.
+        Then they have the form that the checks would return. For what kernels of this package have
+        just made: to look again at each of some ten thousand points costs more than to write them.
         """
+        if not sound:
+            return cls(**values)
         made = object.__new__(cls)
         made._set(**values)
         return made
