@@ -26,7 +26,7 @@ class RefinedParams(Params):
         high=20.0,
     )
     stroke_share: float = option(
-        0.6,
+        0.72,
         "strokes: share of the points of long contours on lines of one width that makes a line "
         "drawing",
         low=0.0,
@@ -37,6 +37,12 @@ class RefinedParams(Params):
         "strokes: share of a contour's points that makes it a line in other images",
         low=0.0,
         high=1.0,
+    )
+    second_look: bool = option(
+        True, "strokes: look for the other edge of a line again where the neighbours' edge is"
+    )
+    both_inks: bool = option(
+        True, "strokes: lines darker and lines brighter than the ground make one line drawing"
     )
     flatness: float = option(
         0.6,

@@ -75,6 +75,16 @@ DEPARTURES = (
         "lines of one width all over an image are lines, if they are wide too",
     ),
     Departure(
+        "a second look for the other edge of a line",
+        {"ecc.refined.second_look": False, "ecc.refined.stroke_share": 0.6},
+        "normals pass between the pixels of a diagonal edge",
+    ),
+    Departure(
+        "dark and bright lines together",
+        {"ecc.refined.both_inks": False},
+        "a drawing may have lines of both on one ground",
+    ),
+    Departure(
         "arcs split where no ellipse fits",
         {"ecc.refined.max_arc_rms": 100.0},
         "a contour may run on from one ellipse to the next without a turn",

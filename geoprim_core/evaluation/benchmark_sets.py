@@ -155,8 +155,9 @@ def _thesis(
         overhang = 60 if change == "out_of_frame" else 0
         turn = float(random.uniform(0.1, np.pi)) if change == "rotated" else 0.0
         scene = thesis_image(
-            alpha, number, kind=kind, drawing=drawing, overhang=overhang, turn=turn
-        )
+            alpha, number, kind=kind, drawing=drawing, overhang=overhang, turn=turn,
+            inks=change == "inks",
+        )  # fmt: skip
         if change in _DEGRADED:
             scene = degraded(scene, **_DEGRADED[change], seed=number)
         yield f"{alpha:02d}_{number}", alpha, scene
@@ -173,6 +174,7 @@ _VARIANTS = {
     "faint": "a quarter of the contrast, noise of 1 grey level",
     "rotated": "turned by any angle",
     "out_of_frame": "ellipses up to 60 pixels out of the frame",
+    "inks": "lines darker and lines brighter than the ground",
 }
 
 
@@ -233,6 +235,8 @@ def _rows() -> Iterator[BenchmarkSet]:
     for kind in ("occluded", "overlapping"):
         for drawing in ("filled", "outlines"):
             for change, what in _VARIANTS.items():
+                if change == "inks" and drawing == "filled":
+                    continue  # discs have random grey levels anyway
                 name = f"{kind}_{drawing}_{change}"
                 text = f"{kind} ellipses, {drawing}: {what}"
                 scenes = partial(_thesis, kind, drawing, change)

@@ -32,6 +32,7 @@ def thesis_image(
     size: int = 300,
     overhang: int = 0,
     turn: float = 0.0,
+    inks: bool = False,
 ) -> Scene:
     """Render one image of the thesis' synthetic sets.
 
@@ -53,6 +54,9 @@ def thesis_image(
     turn : float
         The ellipses are turned about the centre by this angle, in radians from +x towards +y,
         before they are drawn; the frame grows to hold the turned one. Nothing is resampled.
+    inks : bool
+        Outlines are of random grey levels on a random ground, darker ones and brighter ones,
+        instead of dark on white.
 
     Returns
     -------
@@ -88,7 +92,10 @@ def thesis_image(
     random = np.random.default_rng([seed, count, size])
     ellipses = _random_ellipses(random, count, size, overhang)
     ellipses, frame = _turned(ellipses, size, turn)
-    levels, ground = _grey_levels(random, ellipses, frame, kind, drawing)
+    if inks and drawing == "outlines":
+        levels, ground = _random_inks(random, count)
+    else:
+        levels, ground = _grey_levels(random, ellipses, frame, kind, drawing)
     image = render_ellipses(
         ellipses, frame, kind=kind, drawing=drawing, levels=levels, background=ground
     )
@@ -163,6 +170,14 @@ def _grey_levels(
     if kind == "occluded":
         return _contrasting_levels(random, ellipses)
     return _added_levels(random, ellipses, frame)
+
+
+def _random_inks(random: np.random.Generator, count: int) -> tuple[FloatArray, float]:
+    """Draw a ground with room on both sides, and grey levels that differ from it."""
+    ground = float(random.uniform(_LOWEST + 2 * _LEAST_CONTRAST, _HIGHEST - 2 * _LEAST_CONTRAST))
+    low, high = ground - _LEAST_CONTRAST - _LOWEST, _HIGHEST - ground - _LEAST_CONTRAST
+    along = random.uniform(-low, high, count)
+    return ground + along + np.copysign(_LEAST_CONTRAST, along), ground
 
 
 def _contrasting_levels(

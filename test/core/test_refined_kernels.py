@@ -13,6 +13,7 @@ from geoprim_core.ecc import _kernels_refined_conic as conic
 from geoprim_core.ecc import _kernels_refined_ends as ends
 from geoprim_core.ecc import _kernels_refined_final as final
 from geoprim_core.ecc import _kernels_refined_fit as fit
+from geoprim_core.ecc import _kernels_refined_mates as mates
 from geoprim_core.ecc import _kernels_refined_order as order
 from geoprim_core.ecc import _kernels_refined_outline as outline
 from geoprim_core.ecc import _kernels_refined_places as places_of
@@ -137,27 +138,39 @@ def test_arcs_stand_longest_first_then_highest_then_as_they_came(rows):
     assert np.array_equal(arcs.longest_first(table, 2.0), expected[table[expected, 17] >= 2.0])
 
 
+def mates_of(edges, offsets, share=0.0, alone=0.93, least=10):
+    """Return what `find_mates` does on lists of edge points with the slope of their normal."""
+    points = np.concatenate([edge for edge, _ in edges])
+    normals = np.concatenate([np.tile(normal, (len(edge), 1)) for edge, normal in edges])
+    wide, high = np.ceil(points.max(axis=0)).astype(int) + 20
+    head, following = support.index_points(points, normals, wide, high)
+    closed = np.zeros(len(offsets) - 1, bool)
+    return mates.find_mates(
+        head, following, points, normals, offsets, closed, 4.0, least, alone, 4.0, share
+    )
+
+
+def level_edges(rows, length=30):
+    """Return level edges, each darker on the side of the next one or of the one before in turn."""
+    x = np.arange(10.0, 10.0 + length)
+    slopes = (0.0, -1.0), (0.0, 1.0)
+    return [(np.stack([x, 0 * x + y], axis=1), slopes[k % 2]) for k, y in enumerate(rows)]
+
+
 def mates_of_lines(lengths, share, alone=0.93):
     """Return what `find_mates` does on two level edges 2.25 px apart, and their offsets.
 
     The points of one go far, those of the other in contours of given lengths.
     """
-    x = np.arange(10.0, 10.0 + max(200, sum(lengths)))
-    edges = [
-        np.stack([x[:n], np.full(n, y)], axis=1) for n, y in ((len(x), 20), (sum(lengths), 22.25))
-    ]
-    normals = np.repeat([[0.0, -1.0], [0.0, 1.0]], [len(e) for e in edges], axis=0)
-    points = np.concatenate(edges)
-    head, following = support.index_points(points, normals, len(x) + 20, 40)
-    offsets = np.cumsum([0, len(x), *lengths])
-    return *stroke.find_mates(
-        head, following, points, normals, offsets, 4.0, alone, 4.0, share
-    ), offsets
+    far = max(200, sum(lengths))
+    (near, up), (other, down) = level_edges((20.0, 22.25), far)
+    offsets = np.cumsum([0, far, *lengths])
+    return *mates_of([(near, up), (other[: sum(lengths)], down)], offsets, share, alone), offsets
 
 
 def test_the_edges_of_a_line_are_mates_across_its_width():
     gaps, drawn, _ = mates_of_lines([200], 0.6)
-    assert np.allclose(gaps, -2.25)
+    assert np.allclose(gaps, [[2.25], [0.0]])
     assert drawn
 
 
@@ -169,26 +182,75 @@ def test_mates_that_are_not_looked_for_would_change_nothing(lengths, share, alon
     every, always, offsets = mates_of_lines(lengths, 0.0, alone)
     some, drawn, _ = mates_of_lines(lengths, share, alone)
     assert always
-    long = stroke.gaps_of_long(every, offsets)
-    assert drawn == (np.count_nonzero(long) > share * len(long))
+    long = mates.gaps_of_long(every, offsets)
+    assert drawn == (np.count_nonzero(long) > share * long.shape[1])
     assert np.array_equal(some[some != 0.0], every[some != 0.0])
     if drawn:
         assert np.array_equal(some, every)
-    widths = [stroke.stroke_widths(gaps, offsets, alone, 4.0, 0.0)[0] for gaps in (some, every)]
-    assert np.array_equal(*widths)
+    found = [widths(gaps, offsets, alone=alone)[0] for gaps in (some, every)]
+    assert np.array_equal(*found)
+
+
+def test_each_side_of_an_edge_has_its_own_mate():
+    rows = (20.0, 23.0, 25.0, 28.0)  # two dark lines 3 pixels wide with 2 pixels in between
+    gaps, _ = mates_of(level_edges(rows), np.arange(0, 150, 30))
+    assert np.allclose(gaps[0], 3.0)
+    assert np.allclose(gaps[1].reshape(4, 30), np.array([[0.0], [2.0], [2.0], [0.0]]))
+
+
+def test_what_a_normal_passes_by_is_found_beside_the_mate_of_the_neighbour():
+    along, down = np.arange(10.0, 30.0), np.array([1.0, -1.0]) / np.sqrt(2)
+    near = np.stack([along, along], axis=1)
+    points = np.concatenate([near, near + 0.51 + 2.1 * down])  # normals go through pixel corners
+    normals = np.repeat([-down, down], 20, axis=0)
+    edges = (near, -down), (points[20:], down)
+    gaps, _ = mates_of(edges, np.array([0, 20, 40]))
+    assert not gaps.any()
+    head, following = support.index_points(points, normals, 60, 40)
+    gaps[0, ::3] = 2.1
+    mates.complete_mates(head, following, points, normals, 0, 40, gaps)
+    assert np.count_nonzero(gaps) == 14  # where few points have mates nothing is expected
+    gaps[0, ::2] = 2.1
+    mates.complete_mates(head, following, points, normals, 0, 40, gaps)
+    assert np.allclose(gaps, [[2.1], [0.0]])
+
+
+def widths(gaps, offsets, reach=4.0, common=0.0, both_inks=True, closed=False, alone=0.7):
+    flags = np.full(len(offsets) - 1, closed)
+    return stroke.stroke_widths(gaps, offsets, flags, alone, reach, common, both_inks)
+
+
+def sides(gaps):
+    """Return the gaps on the dark and on the bright side of signed ones."""
+    return np.stack([np.maximum(-gaps, 0.0), np.maximum(gaps, 0.0)])
 
 
 def test_a_contour_is_a_line_by_its_own_mates_or_in_a_line_drawing():
     few = np.where(np.arange(20) < 3, 2.0, 0.0)
-    gaps = np.concatenate([np.full(30, 2.0), np.zeros(60), few])
+    gaps = sides(np.concatenate([np.full(30, 2.0), np.zeros(60), few]))
     offsets = np.array([0, 30, 90, 110])
-    alone, count = stroke.stroke_widths(gaps, offsets, 0.7, 4.0, 0.0)
+    alone, count = widths(gaps, offsets)
     assert np.array_equal(alone, np.repeat([2.0, 0.0, 0.0], [30, 60, 20]))
     assert count == 30
-    assert not stroke.stroke_widths(gaps, offsets, 0.7, 1.5, 0.0)[0].any()
-    together, count = stroke.stroke_widths(gaps, offsets, 0.7, 4.0, 2.25)
+    assert not widths(gaps, offsets, reach=1.5)[0].any()
+    together, count = widths(gaps, offsets, common=2.25)
     assert np.array_equal(together, np.repeat([2.25, 0.0, 2.25], [30, 60, 20]))
     assert count == 50
+
+
+def test_in_a_drawing_a_contour_may_be_a_line_of_the_other_ink():
+    gaps = sides(np.repeat([2.0, -2.5, 0.0], [30, 30, 20]))
+    offsets = np.array([0, 30, 60, 80])
+    both, _ = widths(gaps, offsets, common=2.25)
+    assert np.array_equal(both, np.repeat([2.25, -2.25, 2.25], [30, 30, 20]))
+    one, _ = widths(gaps, offsets, common=2.25, both_inks=False)
+    assert np.array_equal(one, np.full(80, 2.25))
+
+
+def test_a_short_contour_is_a_line_by_itself_when_it_is_closed():
+    gaps, offsets = sides(np.full(11, -2.0)), np.array([0, 11])
+    assert not widths(gaps, offsets)[0].any()
+    assert np.array_equal(widths(gaps, offsets, closed=True)[0], np.full(11, -2.0))
 
 
 def evidence(share=0.6, rms=0.2, slant=0.1, length=200.0, outside=0.0, noise=(0.0, 0.0), ratio=0.5):

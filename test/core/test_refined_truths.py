@@ -162,6 +162,29 @@ def test_a_drawn_circle_among_filled_shapes_is_found_on_its_centre_line(ink, pap
     assert_same(found_in(image, RefinedParams(stroke_alone=0.7)), drawn, 0.1)
 
 
+def test_lines_darker_and_brighter_than_the_ground_are_found_on_their_centre_lines():
+    drawn = Ellipses.from_array([[100, 108, 84, 60, 0.7], [150, 120, 70, 40, 2.0]])
+    levels = np.array([20.0, 225.0])
+    image = render_ellipses(
+        drawn, SIZE, kind="overlapping", drawing="outlines", levels=levels, background=120.0
+    )
+    assert_same(found_in(image), drawn, 0.1)
+    apart = found_in(image, RefinedParams(both_inks=False, second_look=False))
+    assert overlap_matrix(drawn, apart.ellipses).max(axis=1).min() < 0.98
+
+
+@pytest.mark.parametrize("radius", [6.0, 11.0, 30.0])
+def test_a_drawn_circle_among_discs_is_found_on_its_centre_line(radius):
+    drawn = Ellipses.from_array([[70.3, 70.6, radius, radius, 0.0]])
+    discs = Ellipses.from_array([[180, 60, 45, 45, 0], [170, 160, 40, 40, 0], [60, 160, 45, 45, 0]])
+    white, ink = 225.0, np.full(3, 40.0)
+    image = render_ellipses(discs, SIZE, levels=ink, background=white).astype(float)
+    ring = render_ellipses(drawn, SIZE, drawing="outlines", levels=ink[:1], background=white)
+    found = found_in(np.minimum(image, ring).astype(np.uint8))
+    assert overlap_matrix(drawn, found.ellipses).max() > 0.95
+    assert len(found) == 4
+
+
 def test_the_rim_of_a_coin_is_no_drawn_line():
     scene = next(iter(sorting_sequence("coins", seed=3, frames=1)))
     found = detect_ellipses(scene.image)

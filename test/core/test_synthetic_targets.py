@@ -193,6 +193,7 @@ def test_the_table_has_all_variants_of_all_four_sets():
             assert f"{kind}_{drawing}" in names
             for change in ("noisy", "blurred", "faint", "rotated", "out_of_frame"):
                 assert f"{kind}_{drawing}_{change}" in names
+        assert f"{kind}_outlines_inks" in names
     assert set(select_sets(["all"])) == set(BENCHMARK_SETS.values())
     assert [s.name for s in select_sets(["noise", "noise", "circles"])] == [
         "noise", "circles_clean", "circles_hard", "circles_noisy",

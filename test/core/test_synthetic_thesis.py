@@ -52,6 +52,15 @@ def test_the_same_seed_gives_the_same_bytes_and_another_one_others(kind, drawing
     assert first.image.tobytes() != other.image.tobytes()
 
 
+def test_inks_lie_on_both_sides_of_the_ground_and_leave_the_ellipses_as_they_are():
+    plain = thesis_image(12, 3, kind="overlapping", drawing="outlines")
+    scene = thesis_image(12, 3, kind="overlapping", drawing="outlines", inks=True)
+    assert np.array_equal(scene.ellipses.array(), plain.ellipses.array())
+    ground = np.median(scene.image)
+    assert scene.image.min() < ground - 25
+    assert scene.image.max() > ground + 25
+
+
 def test_overlapping_discs_stay_within_the_grey_scale():
     for seed in range(3):
         image = thesis_image(24, seed, kind="overlapping").image

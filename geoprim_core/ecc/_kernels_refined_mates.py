@@ -1,0 +1,295 @@
+"""Kernels of step 4 of the `refined` scheme: the opposite edge beside each edge, its mate."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from geoprim_core._check import BoolArray, FloatArray, IntArray
+from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core.ecc._kernels_refined_outline import Int32Array
+
+FARTHEST = 1.5  # pixels that a point in the pixel of a step may be nearer than the step
+LIKE_NEIGHBOUR = 0.75  # pixels between the distances to the mates of two neighbours
+WORTHWHILE = 0.4  # share of points with a mate from which those of the others are looked for again
+DOUBTED = 5.0  # points without a mate that open contours are given: short ones have mates by chance
+BLOCK = 64  # points that mates are looked for together, at most
+LONG = 30.0  # points of a contour; on shorter ones noise decides
+LONG_SHARE = 0.5  # or that share of the longest: of small circles all contours are short
+
+
+@inner_kernel
+def spots_along(
+    rows: FloatArray, count: int, far: float, width: int, height: int, spots: Int32Array
+) -> None:
+    """Write the flat indices of the pixels `far` along the normals of some points, -1 outside.
+
+    `rows` are x, y and the normal. The body has no branches, so that it compiles to vector
+    instructions.
+    """
+    xs, ys, across_x, across_y = rows[0], rows[1], rows[2], rows[3]
+    for k in range(count):
+        x, y = xs[k] + far * across_x[k] + 0.5, ys[k] + far * across_y[k] + 0.5
+        within = (x >= 0.0) & (y >= 0.0) & (x < width) & (y < height)
+        spot = np.int32(y if within else 0.0) * width + np.int32(x if within else 0.0)
+        spots[k] = spot if within else -1
+
+
+@inner_kernel
+def write_gaps(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    reach: float,
+    first: int,
+    last: int,
+    spots: Int32Array,
+    found: Int32Array,
+    rows: FloatArray,
+    gaps: FloatArray,
+) -> None:
+    """Write the `gaps` (see `find_mates`) of the points first .. last - 1, at most `BLOCK`.
+
+    The points found are kept or not without a branch, as most pixels hold none.
+    """
+    height, width = head.shape
+    flat = head.reshape(head.size)
+    steps = len(spots) // 2
+    for k in range(last - first):
+        rows[0, k], rows[1, k] = points[first + k, 0], points[first + k, 1]
+        rows[2, k], rows[3, k] = normals[first + k, 0], normals[first + k, 1]
+        rows[4, k] = rows[5, k] = reach
+    for row in range(2 * steps):
+        far = -1 - row if row < steps else row - steps + 1
+        spots_along(rows, last - first, float(far), width, height, spots[row])
+    size = 0
+    for k in range(last - first):
+        for row in range(2 * steps):
+            at = spots[row, k]
+            p = flat[np.uint64(max(at, 0))]
+            found[0, np.uint64(size)] = p
+            found[1, np.uint64(size)] = k if row >= steps else -1 - k
+            size += (at >= 0) & (p >= 0)
+    for m in range(size):
+        p, code = found[0, m], found[1, m]
+        k = code if code >= 0 else -1 - code
+        side = 1.0 if code >= 0 else -1.0
+        nearest = rows[5 if code >= 0 else 4]
+        x, y, nx, ny = rows[0, k], rows[1, k], rows[2, k], rows[3, k]
+        while p >= 0:
+            at = np.uint64(p)
+            dx, dy = points[at, 0] - x, points[at, 1] - y
+            along = side * (dx * nx + dy * ny)
+            dot = normals[at, 0] * nx + normals[at, 1] * ny
+            nearer = (dot < -0.9) & (along > 0.5) & (along < nearest[k])
+            nearest[k] = along if nearer else nearest[k]
+            p = following[at]
+    for k in range(last - first):
+        for row in range(2):
+            gaps[row, first + k] = rows[4 + row, k] if rows[4 + row, k] < reach else 0.0
+
+
+@inner_kernel
+def mate_near(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    k: int,
+    gap: float,
+) -> float:
+    """Return the signed distance from a point to an opposite edge about `gap` away, else 0."""
+    height, width = head.shape
+    nx, ny = normals[k, 0], normals[k, 1]
+    x, y = points[k, 0], points[k, 1]
+    column, row = round(x + gap * nx), round(y + gap * ny)
+    found, nearest = 0.0, LIKE_NEIGHBOUR
+    for j in range(max(0, row - 1), min(height, row + 2)):
+        for i in range(max(0, column - 1), min(width, column + 2)):
+            p = head[j, i]
+            while p >= 0:
+                along = (points[p, 0] - x) * nx + (points[p, 1] - y) * ny
+                dot = normals[p, 0] * nx + normals[p, 1] * ny
+                if dot < -0.9 and abs(along - gap) < nearest:
+                    found, nearest = along, abs(along - gap)
+                p = following[p]
+    return found
+
+
+@kernel
+def complete_mates(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    first: int,
+    last: int,
+    gaps: FloatArray,
+) -> None:
+    """Find, in place, the mates of points first .. last - 1 next to points that have one.
+
+    A normal may pass between two pixels of an edge that runs diagonally, and does so for some
+    points on end. Where the mate of the neighbour is tells where to look. Where few points have
+    mates, there is no line.
+    """
+    for side in range(2):
+        own, sign = gaps[side], 2.0 * side - 1.0
+        found = 0
+        for k in range(first, last):
+            found += own[k] != 0.0
+        if found < WORTHWHILE * (last - first):
+            continue
+        for step in (1, -1):
+            for m in range(1, last - first):
+                k = first + m if step > 0 else last - 1 - m
+                if own[k] == 0.0 and own[k - step] != 0.0:
+                    gap = sign * own[k - step]
+                    own[k] = abs(mate_near(head, following, points, normals, k, gap))
+
+
+@inner_kernel
+def nearer_mate(gaps: FloatArray, k: int) -> float:
+    """Return the signed distance of a point to its nearer mate, 0 where it has none."""
+    dark, bright = gaps[0, k], gaps[1, k]
+    return -dark if dark > 0.0 and not 0.0 < bright < dark else bright
+
+
+@inner_kernel
+def count_sides(gaps: FloatArray, reach: float) -> tuple[int, int]:
+    """Return how many points have their nearer mate, within `reach`, on the dark side and not."""
+    dark = bright = 0
+    for k in range(gaps.shape[1]):
+        gap = nearer_mate(gaps, k)
+        dark += -reach < gap < 0.0
+        bright += 0.0 < gap < reach
+    return dark, bright
+
+
+@inner_kernel
+def least_long(offsets: IntArray) -> float:
+    """Return the number of points from which a contour is a long one."""
+    longest = 0
+    for c in range(len(offsets) - 1):
+        longest = max(longest, offsets[c + 1] - offsets[c])
+    return min(LONG, LONG_SHARE * longest)
+
+
+@inner_kernel
+def long_contours(offsets: IntArray, long: IntArray) -> tuple[int, int]:
+    """Write which contours are long; return how many they and their points are."""
+    least = least_long(offsets)
+    count = total = 0
+    for c in range(len(offsets) - 1):
+        size = offsets[c + 1] - offsets[c]
+        long[count] = c
+        count += size >= least
+        total += size if size >= least else 0
+    return count, total
+
+
+@inner_kernel
+def look_for_mates(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    reach: float,
+    twice: bool,
+    first: int,
+    last: int,
+    spots: Int32Array,
+    found: Int32Array,
+    rows: FloatArray,
+    gaps: FloatArray,
+) -> None:
+    """Write the gaps of at most `BLOCK` points, after one or two looks."""
+    write_gaps(head, following, points, normals, reach, first, last, spots, found, rows, gaps)
+    if twice:
+        complete_mates(head, following, points, normals, first, last, gaps)
+
+
+@kernel
+def find_mates(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    offsets: IntArray,
+    closed: BoolArray,
+    reach: float,
+    least: int,
+    alone: float,
+    alone_reach: float,
+    share: float,
+) -> tuple[FloatArray, bool]:
+    """Return for every edge point the distances (2, N) to the nearest opposite edges, else 0.
+
+    One on the dark, one on the bright side. A mate lies within `reach` pixels along the gradient,
+    its own gradient points the other way. On contours of `least` points mates are looked for twice
+    (`complete_mates`).
+
+    Also returned is whether more than a `share` of the points on long contours have mates. Of most
+    images it is soon certain that they have not, and of most contours that they have no width of
+    their own (`own_width`, by `alone` and `alone_reach`): the rest of these is not looked at. So
+    the first points of all contours come before the next ones.
+    """
+    steps = int(reach)
+    gaps = np.zeros((2, len(points)))
+    spots = np.empty((2 * steps, BLOCK), np.int32)
+    found = np.empty((2, 2 * steps * BLOCK + 1), np.int32)
+    rows = np.empty((6, BLOCK))
+    done = offsets[:-1].copy()
+    long = np.empty(len(offsets), np.int64)
+    waiting, rest = long_contours(offsets, long)
+    wanted = share * rest
+    drawn = rest > wanted
+    count = 0
+    while drawn and waiting > 0:
+        kept = 0
+        for c in long[:waiting]:
+            first, last = done[c], min(done[c] + BLOCK, offsets[c + 1])
+            twice = offsets[c + 1] - offsets[c] >= least
+            look_for_mates(
+                head, following, points, normals, reach, twice, first, last, spots, found, rows,
+                gaps,
+            )  # fmt: skip
+            done[c] = last
+            dark, bright = count_sides(gaps[:, first:last], math.inf)
+            count, rest = count + dark + bright, rest - (last - first)
+            drawn = count + rest > wanted
+            if not drawn:
+                break
+            long[kept] = c
+            kept += last < offsets[c + 1]
+        waiting = kept
+    for c in range(len(done)):
+        end = offsets[c + 1]
+        twice = end - offsets[c] >= least
+        wanted = alone * (end - offsets[c] + (0.0 if closed[c] else DOUBTED))
+        dark, bright = count_sides(gaps[:, offsets[c] : done[c]], alone_reach)
+        while done[c] < end and (drawn or max(dark, bright) + end - done[c] > wanted):
+            first, last = done[c], min(done[c] + BLOCK, end)
+            look_for_mates(
+                head, following, points, normals, reach, twice, first, last, spots, found, rows,
+                gaps,
+            )  # fmt: skip
+            done[c] = last
+            more = count_sides(gaps[:, first:last], alone_reach)
+            dark, bright = dark + more[0], bright + more[1]
+    return gaps, drawn
+
+
+@kernel
+def gaps_of_long(gaps: FloatArray, offsets: IntArray) -> FloatArray:
+    """Return the gaps (2, n) of the points of all long contours."""
+    least = least_long(offsets)
+    kept = np.empty(gaps.shape)
+    size = 0
+    for c in range(len(offsets) - 1):
+        own = gaps[:, offsets[c] : offsets[c + 1]]
+        if own.shape[1] >= least:
+            kept[:, size : size + own.shape[1]] = own
+            size += own.shape[1]
+    return kept[:, :size]
