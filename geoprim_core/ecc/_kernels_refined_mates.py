@@ -13,7 +13,8 @@ from geoprim_core.ecc._kernels_refined_outline import Int32Array
 FARTHEST = 1.5  # pixels that a point in the pixel of a step may be nearer than the step
 LIKE_NEIGHBOUR = 0.75  # pixels between the distances to the mates of two neighbours
 WORTHWHILE = 0.4  # share of points with a mate from which those of the others are looked for again
-DOUBTED = 5.0  # points without a mate that open contours are given: short ones have mates by chance
+END = 6  # points at the end of a line of which only one edge may be seen
+DOUBTED = 3.0  # points without a mate that open contours are given: short ones have mates by chance
 BLOCK = 64  # points that mates are looked for together, at most
 LONG = 30.0  # points of a contour; on shorter ones noise decides
 LONG_SHARE = 0.5  # or that share of the longest: of small circles all contours are short
@@ -267,7 +268,7 @@ def find_mates(
     for c in range(len(done)):
         end = offsets[c + 1]
         twice = end - offsets[c] >= least
-        wanted = alone * (end - offsets[c] + (0.0 if closed[c] else DOUBTED))
+        wanted = alone * (end - offsets[c] + (0.0 if closed[c] else DOUBTED - 2 * END))
         dark, bright = count_sides(gaps[:, offsets[c] : done[c]], alone_reach)
         while done[c] < end and (drawn or max(dark, bright) + end - done[c] > wanted):
             first, last = done[c], min(done[c] + BLOCK, end)

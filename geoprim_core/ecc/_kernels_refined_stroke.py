@@ -6,9 +6,10 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_mates import DOUBTED, count_sides, nearer_mate
+from geoprim_core.ecc._kernels_refined_mates import DOUBTED, END, count_sides, nearer_mate
 
-ALIKE = 1.0  # pixels between the width of a line here and its typical width
+STEADY = 0.5  # pixels between the distances to mates of a line by itself: other gaps vary
+ALIKE = 1.0  # pixels between the width of a line here and that of the lines of a drawing
 FOLLOWED = 5.0  # points with a mate that a contour is given in an image of lines
 OPPOSITE = 0.7  # share of mates on the other side from which it is a line of the opposite sign
 FOLLOWING = 0.1  # share of mates from which a contour is a line in an image of lines
@@ -47,7 +48,7 @@ def own_width(gaps: FloatArray, share: float, reach: float, doubted: float) -> f
     width = np.median(near)
     alike = 0
     for gap in near:
-        alike += abs(gap - width) < ALIKE
+        alike += abs(gap - width) < STEADY
     return side * width if alike > least else 0.0
 
 
@@ -63,6 +64,21 @@ def followed_width(gaps: FloatArray, common: float, both_inks: bool) -> float:
     if both_inks and opposite > max(alike, OPPOSITE * size):
         return -common
     return common if alike + FOLLOWED > FOLLOWING * size else 0.0
+
+
+@inner_kernel
+def without_ends(gaps: FloatArray) -> tuple[int, int]:
+    """Return the range of a contour without up to `END` points without a mate at either end.
+
+    Where something hides a line, one edge of it is seen further than the other.
+    """
+    first, last = 0, gaps.shape[1]
+    while first < min(END, last) and nearer_mate(gaps, first) == 0.0:
+        first += 1
+    most = max(first, last - END)
+    while last > most and nearer_mate(gaps, last - 1) == 0.0:
+        last -= 1
+    return first, last
 
 
 @kernel
@@ -88,7 +104,8 @@ def stroke_widths(
         own = gaps[:, offsets[c] : offsets[c + 1]]
         width = followed_width(own, common, both_inks) if common != 0.0 else 0.0
         if width == 0.0:
-            width = own_width(own, share, reach, 0.0 if closed[c] else DOUBTED)
+            first, last = (0, own.shape[1]) if closed[c] else without_ends(own)
+            width = own_width(own[:, first:last], share, reach, 0.0 if closed[c] else DOUBTED)
         if width != 0.0:
             widths[offsets[c] : offsets[c + 1]] = width
             count += own.shape[1]

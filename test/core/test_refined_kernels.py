@@ -248,9 +248,17 @@ def test_in_a_drawing_a_contour_may_be_a_line_of_the_other_ink():
 
 
 def test_a_short_contour_is_a_line_by_itself_when_it_is_closed():
-    gaps, offsets = sides(np.full(11, -2.0)), np.array([0, 11])
+    gaps, offsets = sides(np.full(6, -2.0)), np.array([0, 6])
     assert not widths(gaps, offsets)[0].any()
-    assert np.array_equal(widths(gaps, offsets, closed=True)[0], np.full(11, -2.0))
+    assert np.array_equal(widths(gaps, offsets, closed=True)[0], np.full(6, -2.0))
+
+
+def test_ends_without_mates_and_gaps_at_any_distance_tell_otherwise():
+    hidden = np.concatenate([np.zeros(5), np.full(30, 2.0), np.zeros(5)])
+    offsets = np.array([0, 40])
+    assert np.array_equal(widths(sides(hidden), offsets)[0], np.full(40, 2.0))
+    assert not widths(sides(np.roll(hidden, 15)), offsets)[0].any()
+    assert not widths(sides(np.linspace(0.5, 3.5, 40)), offsets)[0].any()
 
 
 def evidence(share=0.6, rms=0.2, slant=0.1, length=200.0, outside=0.0, noise=(0.0, 0.0), ratio=0.5):

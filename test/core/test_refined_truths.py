@@ -185,6 +185,16 @@ def test_a_drawn_circle_among_discs_is_found_on_its_centre_line(radius):
     assert len(found) == 4
 
 
+@pytest.mark.parametrize("hidden", [90.0, 250.0])
+def test_a_line_that_something_hides_in_part_is_found_on_its_centre_line(hidden):
+    drawn = Ellipses.from_array([[110.3, 108.2, 60, 45, 0.4]])
+    image = render_ellipses(
+        drawn, SIZE, drawing="outlines", levels=np.array([20.0]), background=200.0
+    )
+    image[:, 140:] = hidden
+    assert_same(found_in(image), drawn, 0.3)
+
+
 def test_the_rim_of_a_coin_is_no_drawn_line():
     scene = next(iter(sorting_sequence("coins", seed=3, frames=1)))
     found = detect_ellipses(scene.image)
