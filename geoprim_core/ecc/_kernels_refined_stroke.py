@@ -8,7 +8,6 @@ from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_mates import DOUBTED, END, count_sides, nearer_mate
 
-STEADY = 0.5  # pixels between the distances to mates of a line by itself: other gaps vary
 ALIKE = 1.0  # pixels between the width of a line here and that of the lines of a drawing
 FOLLOWED = 5.0  # points with a mate that a contour is given in an image of lines
 OPPOSITE = 0.7  # share of mates on the other side from which it is a line of the opposite sign
@@ -25,11 +24,11 @@ def count_alike(gaps: FloatArray, width: float) -> int:
 
 
 @kernel
-def own_width(gaps: FloatArray, share: float, reach: float, doubted: float) -> float:
+def own_width(gaps: FloatArray, share: float, reach: float, doubted: float, steady: float) -> float:
     """Return the signed width of the line that a contour is an edge of by its own mates, else 0.
 
     More than `share` of its points, and of `doubted` further ones without, have their nearer mate
-    on one side within `reach`, at one distance.
+    on one side within `reach`, at one distance to within `steady`.
     """
     least = share * (gaps.shape[1] + doubted)
     if gaps.shape[1] <= least:
@@ -48,7 +47,7 @@ def own_width(gaps: FloatArray, share: float, reach: float, doubted: float) -> f
     width = np.median(near)
     alike = 0
     for gap in near:
-        alike += abs(gap - width) < STEADY
+        alike += abs(gap - width) < steady
     return side * width if alike > least else 0.0
 
 
@@ -88,6 +87,7 @@ def stroke_widths(
     closed: BoolArray,
     share: float,
     reach: float,
+    steady: float,
     common: float,
     both_inks: bool,
 ) -> tuple[FloatArray, int]:
@@ -105,7 +105,8 @@ def stroke_widths(
         width = followed_width(own, common, both_inks) if common != 0.0 else 0.0
         if width == 0.0:
             first, last = (0, own.shape[1]) if closed[c] else without_ends(own)
-            width = own_width(own[:, first:last], share, reach, 0.0 if closed[c] else DOUBTED)
+            doubted = 0.0 if closed[c] else DOUBTED
+            width = own_width(own[:, first:last], share, reach, doubted, steady)
         if width != 0.0:
             widths[offsets[c] : offsets[c + 1]] = width
             count += own.shape[1]

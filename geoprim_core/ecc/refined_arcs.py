@@ -21,7 +21,7 @@ from geoprim_core.types import Contours
 SOBEL_VARIANCE = 0.5  # of the Sobel filter as a blur, in square pixels
 
 _NOISY = (0.8, 1.2)  # pixels of blur from which an image counts as noisy, a little and fully
-_NOISE_HIDES = 0.35  # share of the points on lines of which noise hides the other edge
+_NOISE_HIDES = 0.45  # share of the points on lines of which noise hides the other edge
 _ONE_WIDTH = 0.65  # share of the mates across a line that are at its width: of texture, half
 _ALIKE = 0.5  # pixels between the width of a line and that of most: other gaps vary
 
@@ -127,7 +127,7 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     stroke, moved = np.zeros(len(points)), 0
     reach = max(params.stroke_reach, params.drawing_reach)
     if signed and reach > 0.0 and len(points):
-        alone = params.stroke_alone * _shown_share(contours)
+        shown = _shown_share(contours)
         gaps, drawn = _mates.find_mates(
             head,
             following,
@@ -137,17 +137,18 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
             contours.closed,
             reach,
             params.min_arc if params.second_look else len(points) + 1,
-            alone,
+            params.stroke_alone * shown,
             params.stroke_reach,
-            params.stroke_share * _shown_share(contours),
+            params.stroke_share * shown,
         )
         common = _common_width(gaps, contours, params) if drawn else 0.0
         stroke, moved = _stroke.stroke_widths(
             gaps,
             contours.offsets,
             contours.closed,
-            alone,
+            params.stroke_alone * shown,
             params.stroke_reach,
+            _ALIKE / shown,
             common,
             params.both_inks,
         )

@@ -217,7 +217,7 @@ def test_what_a_normal_passes_by_is_found_beside_the_mate_of_the_neighbour():
 
 def widths(gaps, offsets, reach=4.0, common=0.0, both_inks=True, closed=False, alone=0.7):
     flags = np.full(len(offsets) - 1, closed)
-    return stroke.stroke_widths(gaps, offsets, flags, alone, reach, common, both_inks)
+    return stroke.stroke_widths(gaps, offsets, flags, alone, reach, 0.5, common, both_inks)
 
 
 def sides(gaps):
