@@ -240,11 +240,12 @@ def sharp_links(angle: Any, after: Any, max_turn: Any, sharp: Any) -> Any:
 
 
 @kernel
-def cut_corners(angle: Any, before: Any, after: Any, max_turn: Any) -> None:
+def cut_corners(angle: Any, before: Any, after: Any, max_turn: Any, strong: Any, jerk: Any) -> None:
     """Undo, in place, links that turn by over `max_turn` where the contour around them does not.
 
     A link stays where the mean turn of the three links before and the three after it comes
-    within half of `max_turn` of its own: a small circle, but not a corner or a crossing.
+    within half of `max_turn` of its own: a small circle, but not a corner or a crossing. Between
+    `strong` pixels it may differ by a share `jerk` of that mean turn more.
     """
     sharp = np.empty(len(after), np.uint32)
     sharps = sharp_links(angle, after, max_turn, sharp)
@@ -263,8 +264,11 @@ def cut_corners(angle: Any, before: Any, after: Any, max_turn: Any) -> None:
                 ahead += bend(angle[last], angle[after[last]])
                 last = after[last]
         expected = (behind + ahead) / 6.0
+        excess = EXCESS_SHARE * max_turn
+        if jerk > 0.0:
+            excess += jerk * abs(expected) if strong[here] & strong[m] else 0.0
         cut[size] = here
-        size += np.uint64(abs(turn - expected) > EXCESS_SHARE * max_turn)
+        size += np.uint64(abs(turn - expected) > excess)
     for k in cut[:size]:  # not before all are judged: a cut link would change what is around
         before[after[k]] = UNLINKED
         after[k] = UNLINKED

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,13 +11,14 @@ from geoprim_core import _check
 from geoprim_core._check import AnyArray, BoolArray
 from geoprim_core.edges.canny import Float32Array, to_gray
 from geoprim_core.edges.linking import (
+    STRONG,
     EdgePixels,
     link_by_direction,
     link_without_junctions,
     locate_pixels,
 )
 from geoprim_core.edges.params import EdgeParams
-from geoprim_core.edges.stairs import smooth_edges
+from geoprim_core.edges.stairs import Edges, smooth_edges
 from geoprim_core.methods import Method, Table
 from geoprim_core.params import as_params
 from geoprim_core.types import Contours
@@ -87,12 +89,11 @@ def trace_edges(image: AnyArray, params: EdgeParams | None = None) -> EdgeTrace:
     params = as_params(params, EdgeParams)
     image = _check.image(image)
     gray = to_gray(image, equalise=params.equalise)
-    dx, dy, flat, low, high, blur = smooth_edges(image, params)
-    edges = np.zeros(dx.shape, np.bool_)
-    edges.ravel()[flat] = True
-    pixels = locate_pixels(flat, dx, dy, blur)
-    contours = TABLE[params.linking].function(pixels, params=params)
-    return EdgeTrace(gray, dx, dy, low, high, edges, contours)
+    found = smooth_edges(image, params)
+    edges = np.zeros(found.dx.shape, np.bool_)
+    edges.ravel()[found.flat] = True
+    contours = TABLE[params.linking].function(_locate(found, params), params=params)
+    return EdgeTrace(gray, found.dx, found.dy, found.low, found.high, edges, contours)
 
 
 def extract_contours(image: AnyArray, params: EdgeParams | None = None) -> Contours:
@@ -141,5 +142,9 @@ def extract_contours(image: AnyArray, params: EdgeParams | None = None) -> Conto
 
 def _find_pixels(image: AnyArray, params: EdgeParams) -> EdgePixels:
     """Return the edge pixels; the full-size intermediates are freed before the linking."""
-    found = smooth_edges(_check.image(image), params)
-    return locate_pixels(found.flat, found.dx, found.dy, found.blur)
+    return _locate(smooth_edges(_check.image(image), params), params)
+
+
+def _locate(found: Edges, params: EdgeParams) -> EdgePixels:
+    sure = STRONG * found.high if found.blur > params.sigma else math.inf
+    return locate_pixels(found.flat, found.dx, found.dy, found.blur, sure)

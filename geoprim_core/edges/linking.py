@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
+from geoprim_core._check import BoolArray
 from geoprim_core.edges import (
     _kernels_junctions,
     _kernels_linking,
@@ -20,6 +21,9 @@ from geoprim_core.edges.params import EdgeParams
 from geoprim_core.types import Contours
 
 Int32Array = npt.NDArray[np.int32]
+
+STRONG = 2.0  # high thresholds: in noise, five of its standard deviations
+_GROWN = 0.3  # pixels that the blur has grown by where noise or stairs turn gradients fully
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +41,8 @@ class EdgePixels:
         vector (x, y) of the grey-level gradient, from dark to bright.
     blur : float
         Standard deviation of the Gaussian blur before the gradient in pixels; NaN: not known.
+    strong : (N,) bool
+        Pixels whose gradient noise does not reach; (0,): not known.
     """
 
     x: Int32Array
@@ -44,6 +50,7 @@ class EdgePixels:
     index: UInt32Array
     table: Float32Array
     blur: float = float("nan")
+    strong: BoolArray = field(default_factory=lambda: np.zeros(0, np.bool_))
 
     @property
     def image_size(self) -> tuple[int, int]:
@@ -53,9 +60,15 @@ class EdgePixels:
 
 
 def locate_pixels(
-    flat: UInt32Array, dx: Float32Array, dy: Float32Array, blur: float = float("nan")
+    flat: UInt32Array,
+    dx: Float32Array,
+    dy: Float32Array,
+    blur: float = float("nan"),
+    sure: float = float("inf"),
 ) -> EdgePixels:
     """Return the edge pixels at rising flat indices with the position and direction of the edge.
+
+    A gradient of `sure` or more makes a pixel strong.
 
     References
     ----------
@@ -66,7 +79,10 @@ def locate_pixels(
     margin = _kernels_pixels.MARGIN
     index = np.empty((height + margin, width + margin), np.uint32)
     x, y, table = _kernels_pixels.locate(flat, dx, dy, index)
-    return EdgePixels(x, y, index, table, blur)
+    pixels = EdgePixels(x, y, index, table, blur)
+    if math.isinf(sure):
+        return pixels
+    return replace(pixels, strong=np.hypot(dx.ravel()[flat], dy.ravel()[flat]) >= sure)
 
 
 @lru_cache(maxsize=8)
@@ -80,7 +96,8 @@ def link_by_direction(pixels: EdgePixels, *, params: EdgeParams) -> Contours:
 
     A step leads along the edge to a pixel within `reach` whose gradient, sign included, differs
     by at most `max_turn`, or twice that where the contour bends as much on both sides (small
-    circles); the shortest and straightest steps are taken first. Contours so pass
+    circles; noise and stairs turn the gradient there by jerks, see `max_jerk`); the shortest and
+    straightest steps are taken first. Contours so pass
     through junctions, and the two edges of a stroke stay apart. A step over a missing pixel puts
     that pixel in, the only pixels that contours may share.
     """
@@ -92,8 +109,17 @@ def link_by_direction(pixels: EdgePixels, *, params: EdgeParams) -> Contours:
     )
     before, after = _kernels_linking.chain(source, target, cost, cosine, double, limits)
     angle = _kernels_pixels.directions(table)
-    _kernels_linking.cut_corners(angle, before, after, math.radians(params.max_turn))
+    _kernels_linking.cut_corners(
+        angle, before, after, math.radians(params.max_turn), pixels.strong, _jerk(pixels, params)
+    )
     return _contours(pixels, angle, before, after, params)
+
+
+def _jerk(pixels: EdgePixels, params: EdgeParams) -> float:
+    """Return the share of the bend of a contour that the turn of a step may differ from it."""
+    if len(pixels.strong) != len(pixels.x):
+        return 0.0
+    return params.max_jerk * min(1.0, max(0.0, (pixels.blur - params.sigma) / _GROWN))
 
 
 def link_without_junctions(pixels: EdgePixels, *, params: EdgeParams) -> Contours:

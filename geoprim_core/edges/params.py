@@ -97,6 +97,13 @@ class EdgeParams(Params):
         low=5.0,
         high=80.0,
     )
+    max_jerk: float = option(
+        1.0,
+        "share of the bend of a contour that the turn of a step may differ from it more, between "
+        "strong pixels of an image blurred for noise or stairs (linking direction)",
+        low=0.0,
+        high=5.0,
+    )
     min_length: int = option(5, "fewest pixels of a contour", unit="px", low=2, high=10000)
     subpixel: bool = option(True, "give sub-pixel edge positions too")
 

@@ -55,6 +55,11 @@ DEPARTURES = (
         "an outline drawn without grey levels in between is a polygon with corners",
     ),
     Departure(
+        "jerks of small outlines linked",
+        {"edges.max_jerk": 0.0},
+        "stairs and noise turn the gradient around a small circle by jerks, not evenly",
+    ),
+    Departure(
         "direction-true linking",
         {"edges.linking": "junctions"},
         "curves go on through their crossings",

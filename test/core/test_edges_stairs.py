@@ -52,6 +52,25 @@ def test_a_small_hard_disc_is_one_contour_and_one_circle(radius):
     np.testing.assert_allclose([found.x[0], found.y[0]], 60, atol=0.1)
 
 
+def discs_found(draws, **changes):
+    """Return how many hard discs of 4.5 to 9 pixels radius at any place are found as they are."""
+    params = DetectorParams().updated(changes)
+    y, x = np.mgrid[:60, :60] - 30
+    count = 0
+    for draw in range(draws):
+        random = np.random.default_rng(draw)
+        radius, (cx, cy) = random.uniform(4.5, 9), random.uniform(-0.5, 0.5, 2)
+        image = np.where(np.hypot(x - cx, y - cy) <= radius, 220, 30).astype(np.uint8)
+        found = detect_ellipses(image, params).ellipses
+        count += len(found) == 1 and abs(found.semi_major[0] - radius) < 0.5
+    return count
+
+
+def test_small_hard_discs_are_found_wherever_they_lie_between_pixels():
+    assert discs_found(100) == 100
+    assert discs_found(100, **{"edges.max_jerk": 0.0}) < 98  # what the step is for
+
+
 def test_without_the_step_such_discs_are_missed():
     params = DetectorParams().updated({"edges.stair_sigma": 0.0})
     assert len(detect_ellipses(hard_disc(13), params).ellipses) == 0
