@@ -26,6 +26,8 @@ _NO_LEVELS = np.zeros((0, 0), np.float32)
 _RAYLEIGH_MEDIAN = math.sqrt(2.0 * math.log(2.0))
 _NORMAL_MEDIAN = 0.67449  # of the magnitude
 _SOBEL_VARIANCE = 0.5  # px^2, with the differences' own
+_PURE_NOISE = math.sqrt(math.pi / 8.0)  # its standard deviation in typical gradients
+_DROWNED = (0.74, 0.84)  # shares of that from which noise drowns the edges, a little and fully
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,9 +132,9 @@ def steady_gradient(
 
     The standard deviation of the gradient's noise falls with the variance of the blur (that of
     the Sobel filter is 1/2), the height of an edge only with its root. So the blur grows until
-    the noise is a share `noise_share` of the typical gradient, or to `noise_sigma`. An image with
-    less noise than that keeps its blur. What is known of the magnitudes comes fourth, the standard
-    deviation of the blur last.
+    the noise is a share `noise_share` of the typical gradient, or to `noise_sigma`; where noise all
+    but drowns the edges, to `drowned_sigma`. An image with less noise than that keeps its blur.
+    What is known of the magnitudes comes fourth, the standard deviation of the blur last.
 
     References
     ----------
@@ -140,13 +142,21 @@ def steady_gradient(
     """
     dx, dy, values, extent = gradient(image, params.sigma)
     levels = gradient_levels(values, extent, params)
-    growth = _noise_share(image, levels, params) / params.noise_share
+    share = _noise_share(image, levels, params)
+    growth = share / params.noise_share
     if not growth > 1.0:
         return dx, dy, values, levels, params.sigma
     variance = growth**2 * (params.sigma**2 + _SOBEL_VARIANCE) - _SOBEL_VARIANCE
-    sigma = min(params.noise_sigma, math.sqrt(variance))
+    sigma = min(_most_blur(share, params), math.sqrt(variance))
     dx, dy, values, extent = gradient(image, sigma)
     return dx, dy, values, gradient_levels(values, extent, params), sigma
+
+
+def _most_blur(share: float, params: EdgeParams) -> float:
+    """Return how far the blur may grow where noise is a `share` of the typical gradient."""
+    first, full = _DROWNED
+    drowned = min(1.0, max(0.0, (share / _PURE_NOISE - first) / (full - first)))
+    return params.noise_sigma + drowned * max(0.0, params.drowned_sigma - params.noise_sigma)
 
 
 def _noise_share(image: AnyArray, levels: GradientLevels, params: EdgeParams) -> float:

@@ -67,6 +67,13 @@ class EdgeParams(Params):
         low=0.0,
         high=5.0,
     )
+    drowned_sigma: float = option(
+        1.5,
+        "standard deviation that it may grow to where noise all but drowns the edges",
+        unit="px",
+        low=0.0,
+        high=5.0,
+    )
     noise_share: float = option(
         0.12,
         "noise of the gradient, in typical gradients, above which the blur grows",

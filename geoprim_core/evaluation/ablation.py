@@ -50,6 +50,11 @@ DEPARTURES = (
         "noise falls with the square of the blur, an edge only in proportion",
     ),
     Departure(
+        "images that noise drowns blurred yet more",
+        {"edges.drowned_sigma": 0.0},
+        "where edges hardly rise above the noise, thin lines are seen at a wider blur only",
+    ),
+    Departure(
         "stairs smoothed",
         {"edges.stair_sigma": 0.0},
         "an outline drawn without grey levels in between is a polygon with corners",
