@@ -20,7 +20,7 @@ TRIM = 2.5  # pixels next to a gap where what hides the outline also bends its e
 LEAST_KEPT = 0.6  # share of the points that the trimming leaves
 LEAST_POINTS = 10
 LEAST_WIDTH = 0.25  # pixels, of the weights of the last refit
-MOST_SHRINKAGE = 0.25  # pixels; beyond, the blur is wider than the curve
+MOST_SHRINKAGE = 0.25  # deviations of the blur; beyond, it is as wide as the curve
 ROUNDS = 6  # of the last refit at most
 SETTLED = 0.002  # pixels, by which a settled ellipse moves in a round
 ALIGNED = 2.0  # d_0 of thesis (5-11)
@@ -183,11 +183,12 @@ def unshrunk(
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
     a, b = ellipse[2], ellipse[3]
     moved = np.empty((len(chosen), 2))
+    most = MOST_SHRINKAGE * math.sqrt(spread)
     for k in range(len(chosen)):
         x, y = points[chosen[k], 0], points[chosen[k], 1]
         _, nx, ny = offset_of(ellipse, cos, sin, x, y)
         nu, nv = nx * cos + ny * sin, ny * cos - nx * sin
-        shift = min(MOST_SHRINKAGE, 0.5 * spread / radius_at(nu, nv, a, b))
+        shift = min(most, 0.5 * spread / radius_at(nu, nv, a, b))
         moved[k, 0], moved[k, 1] = x + shift * nx, y + shift * ny
     return moved
 

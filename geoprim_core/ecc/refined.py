@@ -323,7 +323,7 @@ def refit_chosen(
         SCORE_MAP.probability(verified.figures[selection.chosen, 0]),
         params.max_size * edges.diagonal,
         params.min_semi_minor,
-        edges.spread if params.undo_blur else 0.0,
+        max(edges.spread, edges.line_spread) if params.undo_blur else 0.0,
         _final.GAP + (_final.NOISE_GAP - _final.GAP) * noise,
     )
     x, y, semi_major, semi_minor, angle = rows

@@ -23,7 +23,12 @@ SOBEL_VARIANCE = 0.5  # of the Sobel filter as a blur, in square pixels
 _NOISY = (0.8, 1.2)  # pixels of blur from which an image counts as noisy, a little and fully
 _NOISE_HIDES = 0.45  # share of the points on lines of which noise hides the other edge
 _ONE_WIDTH = 0.65  # share of the mates across a line that are at its width: of texture, half
+_RUN_TOGETHER = 3.3  # width of a line over the softness of its edges
+_PICTURE_BLUR = 0.5  # pixels, the least that lines show of the blur of a picture
 _ALIKE = 0.5  # pixels between the width of a line and that of most: other gaps vary
+
+
+_Place = tuple[Int32Array, Int32Array, FloatArray, FloatArray]  # head, following, points, normals
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,6 +55,9 @@ class EdgePoints:
     spread : float
         Variance of the smoothing of the image in square pixels, that of the Sobel filter
         included; 0 where it is not known or the points are not the steepest places of an image.
+    line_spread : float
+        That variance with the blur of the picture itself, in square pixels, where the lines of a
+        drawing show it; else 0.
     """
 
     points: FloatArray
@@ -60,15 +68,19 @@ class EdgePoints:
     stroke: FloatArray
     signed: bool
     spread: float
+    line_spread: float = 0.0
 
     @property
     def noisiness(self) -> float:
         """How far noise decides where edges lie and break: 0 not, 1 fully.
 
         By the blur: the edge stage blurs an image more than others when it has measured noise, or
-        stairs, of which the outlines lie as badly.
+        stairs, of which the outlines lie as badly. So do both edges of a line in a picture that
+        is blurred as much: where it bends they are not as far from its middle.
         """
-        return _noisiness(math.sqrt(max(0.0, self.spread - SOBEL_VARIANCE)))
+        edge_blur = math.sqrt(max(0.0, self.spread - SOBEL_VARIANCE))
+        line_blur = math.sqrt(max(0.0, self.line_spread - self.spread))
+        return max(_noisiness(edge_blur), _noisiness(line_blur))
 
     @property
     def diagonal(self) -> float:
@@ -109,8 +121,9 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     edge of the opposite direction at one distance within `stroke_reach`. Where a share
     `stroke_share` of all long contours has, within `drawing_reach`, the image is a line drawing:
     contours are edges of lines unless they are long and nothing says so. Lines have one width:
-    bricks and grass have as many edges side by side, at any distance. Both sides of an edge are
-    looked at, as the next line may be nearer than its own is wide. Lines darker and lines
+    bricks and grass have as many edges side by side, at any distance. Blur makes lines wider, up
+    to `soft_reach`; what is as wide without it has a plateau between its edges. Both sides of an
+    edge are looked at, as the next line may be nearer than its own is wide. Lines darker and lines
     brighter than the ground count together (`both_inks`). The other edge is looked for along the
     normal, and again beside those of the neighbours (`second_look`): normals pass between the
     pixels of an edge that runs diagonally. The points of lines move by half the median line
@@ -125,40 +138,48 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     signed = contours.gradient_angle is not None
     head, following = index_points(points, normals, width, height)
     stroke, moved = np.zeros(len(points)), 0
-    reach = max(params.stroke_reach, params.drawing_reach)
-    if signed and reach > 0.0 and len(points):
-        shown = _shown_share(contours)
-        gaps, drawn = _mates.find_mates(
-            head,
-            following,
-            points,
-            normals,
-            contours.offsets,
-            contours.closed,
-            reach,
-            params.min_arc if params.second_look else len(points) + 1,
-            params.stroke_alone * shown,
-            params.stroke_reach,
-            params.stroke_share * shown,
-        )
-        common = _common_width(gaps, contours, params) if drawn else 0.0
-        stroke, moved = _stroke.stroke_widths(
-            gaps,
-            contours.offsets,
-            contours.closed,
-            params.stroke_alone * shown,
-            params.stroke_reach,
-            _ALIKE / shown,
-            common,
-            params.both_inks,
-        )
+    if signed and len(points):
+        stroke, moved = _stroke_widths((head, following, points, normals), contours, params)
     if moved:
         points = points + (0.5 * stroke)[:, np.newaxis] * normals
         head, following = index_points(points, normals, width, height)
     located = signed and contours.subpixel is not None and not math.isnan(contours.blur)
     spread = contours.blur**2 + SOBEL_VARIANCE if located else 0.0
     signed = signed and 2 * moved <= len(points)
-    return EdgePoints(points, normals, contours.offsets, head, following, stroke, signed, spread)
+    return EdgePoints(
+        points,
+        normals,
+        contours.offsets,
+        head,
+        following,
+        stroke,
+        signed,
+        spread,
+        0.0 if signed else _line_spread(stroke, spread, contours, params),
+    )
+
+
+def _stroke_widths(
+    place: _Place, contours: Contours, params: RefinedParams
+) -> tuple[FloatArray, int]:
+    """Return the signed width of the line that each point is on, 0 for none, and how many are."""
+    shown = _shown_share(contours)
+    alone, reach = params.stroke_alone * shown, params.stroke_reach
+    gaps, drawn = _mates.find_mates(
+        *place,
+        contours.offsets,
+        contours.closed,
+        max(reach, params.drawing_reach, _soft_reach(contours, params)),
+        params.min_arc if params.second_look else len(contours.points) + 1,
+        alone,
+        reach,
+        params.stroke_share * shown,
+    )
+    common = _common_width(gaps, contours, params) if drawn else 0.0
+    steady = _ALIKE / shown
+    return _stroke.stroke_widths(
+        gaps, contours.offsets, contours.closed, alone, reach, steady, common, params.both_inks
+    )
 
 
 def _noisiness(blur: float) -> float:
@@ -166,10 +187,36 @@ def _noisiness(blur: float) -> float:
     return min(1.0, max(0.0, (blur - _NOISY[0]) / (_NOISY[1] - _NOISY[0])))
 
 
+def _line_spread(
+    stroke: FloatArray, spread: float, contours: Contours, params: RefinedParams
+) -> float:
+    """Return the variance of what has blurred lines whose edges run together, 0 for other lines.
+
+    Either edge of a hair line falls as one that is smoothed with half of that variance. It is not
+    told from the width of the line where the picture was blurred but a little.
+    """
+    widths = np.abs(stroke[stroke != 0.0])
+    width = float(np.median(widths)) if len(widths) else 0.0
+    found = 2.0 * contours.softness**2
+    blurred = width < _soft_reach(contours, params) and found > spread + _PICTURE_BLUR**2
+    return found if blurred else 0.0
+
+
 def _shown_share(contours: Contours) -> float:
     """Return the share of the points on lines of which noise does not hide the other edge."""
     noise = 0.0 if math.isnan(contours.blur) else _noisiness(contours.blur)
     return 1.0 - _NOISE_HIDES * noise
+
+
+def _soft_reach(contours: Contours, params: RefinedParams) -> float:
+    """Return how wide a line may be whose two edges run into each other, 0 where not known.
+
+    That of a hair line is 2.8 times as wide as its edges are soft; from 3.3 times on there is a
+    plateau in between.
+    """
+    if math.isnan(contours.softness):
+        return 0.0
+    return min(params.soft_reach, _RUN_TOGETHER * contours.softness)
 
 
 def _common_width(gaps: FloatArray, contours: Contours, params: RefinedParams) -> float:

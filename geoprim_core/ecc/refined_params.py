@@ -25,6 +25,13 @@ class RefinedParams(Params):
         low=0.0,
         high=20.0,
     )
+    soft_reach: float = option(
+        12.0,
+        "strokes: widest such line that blur has made so wide, 0 for none",
+        unit="px",
+        low=0.0,
+        high=40.0,
+    )
     stroke_share: float = option(
         0.72,
         "strokes: share of the points of long contours on lines of one width that makes a line "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -147,4 +147,5 @@ def _find_pixels(image: AnyArray, params: EdgeParams) -> EdgePixels:
 
 def _locate(found: Edges, params: EdgeParams) -> EdgePixels:
     sure = STRONG * found.high if found.blur > params.sigma else math.inf
-    return locate_pixels(found.flat, found.dx, found.dy, found.blur, sure)
+    pixels = locate_pixels(found.flat, found.dx, found.dy, found.blur, sure)
+    return replace(pixels, softness=found.softness)

@@ -41,6 +41,8 @@ class EdgePixels:
         vector (x, y) of the grey-level gradient, from dark to bright.
     blur : float
         Standard deviation of the Gaussian blur before the gradient in pixels; NaN: not known.
+    softness : float
+        Standard deviation of the smoothing that most edges show in pixels; NaN: not known.
     strong : (N,) bool
         Pixels whose gradient noise does not reach; (0,): not known.
     """
@@ -50,6 +52,7 @@ class EdgePixels:
     index: UInt32Array
     table: Float32Array
     blur: float = float("nan")
+    softness: float = float("nan")
     strong: BoolArray = field(default_factory=lambda: np.zeros(0, np.bool_))
 
     @property
@@ -155,4 +158,5 @@ def _contours(
         subpixel=fine if params.subpixel else None,
         gradient_angle=tilt,
         blur=pixels.blur,
+        softness=pixels.softness,
     )

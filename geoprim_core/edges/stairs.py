@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geoprim_core._check import AnyArray
-from geoprim_core.edges import _kernels_stairs
+from geoprim_core.edges import _kernels_softness, _kernels_stairs
 from geoprim_core.edges.canny import (
     Float32Array,
     UInt32Array,
@@ -20,11 +20,12 @@ from geoprim_core.edges.canny import (
 )
 from geoprim_core.edges.params import EdgeParams
 
+_SAMPLE = 500  # edge pixels that tell how soft most are
 _STAIRS = (0.5, 0.7)  # shares of hard steps from which an image has stairs, a little and fully
 
 
 class Edges(NamedTuple):
-    """Gradient (H, W), flat indices of the edge pixels, thresholds, deviation of the blur."""
+    """Gradient (H, W), flat indices of the edge pixels, thresholds, blur, softness of the edges."""
 
     dx: Float32Array
     dy: Float32Array
@@ -32,6 +33,7 @@ class Edges(NamedTuple):
     low: float
     high: float
     blur: float
+    softness: float
 
 
 def smooth_edges(image: AnyArray, params: EdgeParams) -> Edges:
@@ -56,7 +58,9 @@ def smooth_edges(image: AnyArray, params: EdgeParams) -> Edges:
             dx, dy, values, extent = gradient(channels, sigma)
             levels = gradient_levels(values, extent, params)
             flat, low, high = find_edges(dx, dy, values, params, levels)
-    return Edges(dx, dy, flat, low, high, blur)
+    least = np.float32(levels.typical)
+    soft = float(_kernels_softness.softness(flat, values, dx, dy, least, _SAMPLE))
+    return Edges(dx, dy, flat, low, high, blur, soft)
 
 
 def hard_share(

@@ -95,6 +95,11 @@ DEPARTURES = (
         "a drawing may have lines of both on one ground",
     ),
     Departure(
+        "lines that blur has widened",
+        {"ecc.refined.soft_reach": 0.0},
+        "the edges of a blurred line lie as far apart as the blur is wide, on circles not evenly",
+    ),
+    Departure(
         "arcs split where no ellipse fits",
         {"ecc.refined.max_arc_rms": 100.0},
         "a contour may run on from one ellipse to the next without a turn",

@@ -118,6 +118,7 @@ def _contour_fields(contours: Contours) -> dict[str, Any]:
         "subpixel": _float32(contours.subpixel),
         "gradient_angle": _float32(contours.gradient_angle),
         "blur": contours.blur,
+        "softness": contours.softness,
     }
 
 
@@ -209,6 +210,7 @@ def _read_contours(message: Any) -> Contours:
         subpixel if len(subpixel) else None,
         angle if len(angle) else None,
         float(message.blur),
+        float(message.softness),
     )
 
 

@@ -44,6 +44,9 @@ class Contours(Frozen):
         Direction of the grey-level gradient at every pixel, from dark to bright, in radians.
     blur : float
         Standard deviation in pixels of the Gaussian blur before the gradient; NaN: not known.
+    softness : float
+        Standard deviation in pixels of all the smoothing that most edges show, that of the picture
+        and that of the edge stage; NaN: not known.
     """
 
     points: FloatArray
@@ -53,6 +56,7 @@ class Contours(Frozen):
     subpixel: FloatArray | None = None
     gradient_angle: FloatArray | None = None
     blur: float = float("nan")
+    softness: float = float("nan")
 
     def __post_init__(self) -> None:
         points = _check.points(self.points)
@@ -68,9 +72,11 @@ class Contours(Frozen):
         if self.gradient_angle is not None:
             angle = _check.finite(self.gradient_angle, "gradient_angle", (len(points),))
             self._set(gradient_angle=angle)
-        if self.blur < 0.0:
-            raise InputError("blur", "0 px or more, or NaN", f"{self.blur}")
-        self._set(blur=float(self.blur))
+        for name in ("blur", "softness"):
+            value = float(getattr(self, name))
+            if value < 0.0:
+                raise InputError(name, "0 px or more, or NaN", f"{value}")
+            self._set(**{name: value})
 
     def __len__(self) -> int:
         """Return the number of contours."""

@@ -1,5 +1,6 @@
 """Line drawings: both edges of a line are one curve, however near the next line is."""
 
+import cv2
 import numpy as np
 import pytest
 
@@ -66,3 +67,21 @@ def test_the_blur_grows_further_only_where_noise_drowns_the_edges():
     assert blur_of(rings([40.0], 2.0, noise=25.0)) == params.noise_sigma
     assert blur_of(nothing) == params.drowned_sigma
     assert blur_of(nothing, drowned_sigma=0.0) == params.noise_sigma
+
+
+@pytest.mark.parametrize("blur", [1.0, 2.0, 3.0])
+@pytest.mark.parametrize("radius", [7.0, 12.0, 40.0])
+def test_a_blurred_hair_line_is_one_line_however_wide_it_looks(blur, radius):
+    image = cv2.GaussianBlur(rings([radius], 1.5), (0, 0), blur)
+    found = radii_found(image)
+    assert len(found) == 1
+    assert abs(found[0] - radius) < 0.25
+
+
+@pytest.mark.parametrize("gap", [6.5, 7.5, 9.0])
+def test_a_broad_ring_with_sharp_edges_is_two_circles(gap):
+    rows = [[108.3, 97.6, radius, radius, 0.0] for radius in (40.0, 40.0 - gap)]
+    image = render_ellipses(
+        Ellipses.from_array(rows), SIZE, levels=np.array([40.0, 200.0]), background=200.0
+    )
+    np.testing.assert_allclose(radii_found(image), [40.0 - gap, 40.0], atol=0.2)
