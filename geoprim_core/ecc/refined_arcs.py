@@ -138,7 +138,7 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     signed = contours.gradient_angle is not None
     head, following = index_points(points, normals, width, height)
     stroke, moved = np.zeros(len(points)), 0
-    if signed and len(points):
+    if signed and len(points) and max(params.stroke_reach, params.drawing_reach) > 0.0:
         stroke, moved = _stroke_widths((head, following, points, normals), contours, params)
     if moved:
         points = points + (0.5 * stroke)[:, np.newaxis] * normals
