@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from geoprim_core._check import BoolArray, FloatArray, IntArray
+from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_outline import Int32Array
 
@@ -119,6 +119,25 @@ def mate_near(
     return found
 
 
+@inner_kernel
+def follow_mates(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    first: int,
+    step: int,
+    sign: float,
+    gaps: FloatArray,
+) -> None:
+    """Find, in place, mates next to those of the neighbours, going one way from point `first`."""
+    for m in range(1, len(gaps)):
+        k = m if step > 0 else len(gaps) - 1 - m
+        if gaps[k] == 0.0 and gaps[k - step] != 0.0:
+            gap = sign * gaps[k - step]
+            gaps[k] = abs(mate_near(head, following, points, normals, first + k, gap))
+
+
 @kernel
 def complete_mates(
     head: Int32Array,
@@ -132,28 +151,31 @@ def complete_mates(
     """Find, in place, the mates of points first .. last - 1 next to points that have one.
 
     A normal may pass between two pixels of an edge that runs diagonally, and does so for some
-    points on end. Where the mate of the neighbour is tells where to look. Where few points have
-    mates, there is no line.
+    points on end. Where the mate of the neighbour is tells where to look. Both ways along the
+    contour count alike. Where few points have mates, there is no line.
     """
+    ways = np.empty((2, last - first))
     for side in range(2):
-        own, sign = gaps[side], 2.0 * side - 1.0
+        own = gaps[side, first:last]
         found = 0
-        for k in range(first, last):
-            found += own[k] != 0.0
-        if found < WORTHWHILE * (last - first):
+        for gap in own:
+            found += gap != 0.0
+        if found < WORTHWHILE * len(own):
             continue
-        for step in (1, -1):
-            for m in range(1, last - first):
-                k = first + m if step > 0 else last - 1 - m
-                if own[k] == 0.0 and own[k - step] != 0.0:
-                    gap = sign * own[k - step]
-                    own[k] = abs(mate_near(head, following, points, normals, k, gap))
+        for way in range(2):
+            ways[way] = own
+            follow_mates(
+                head, following, points, normals, first, 1 - 2 * way, 2.0 * side - 1.0, ways[way]
+            )
+        for k in range(len(own)):
+            there, back = ways[0, k], ways[1, k]
+            own[k] = min(there, back) if there > 0.0 and back > 0.0 else max(there, back)
 
 
 @inner_kernel
 def nearer_mate(gaps: FloatArray, k: int) -> float:
     """Return the signed distance of a point to its nearer mate, 0 where it has none."""
-    dark, bright = gaps[0, k], gaps[1, k]
+    dark, bright = float(gaps[0, k]), float(gaps[1, k])
     return -dark if dark > 0.0 and not 0.0 < bright < dark else bright
 
 
@@ -178,16 +200,13 @@ def least_long(offsets: IntArray) -> float:
 
 
 @inner_kernel
-def long_contours(offsets: IntArray, long: IntArray) -> tuple[int, int]:
-    """Write which contours are long; return how many they and their points are."""
-    least = least_long(offsets)
-    count = total = 0
+def points_of_long(offsets: IntArray, shortest: float) -> int:
+    """Return how many points all long contours have."""
+    total = 0
     for c in range(len(offsets) - 1):
         size = offsets[c + 1] - offsets[c]
-        long[count] = c
-        count += size >= least
-        total += size if size >= least else 0
-    return count, total
+        total += size if size >= shortest else 0
+    return total
 
 
 @inner_kernel
@@ -197,16 +216,28 @@ def look_for_mates(
     points: FloatArray,
     normals: FloatArray,
     reach: float,
-    twice: bool,
     first: int,
     last: int,
+    fewest: float,
+    twice: bool,
     spots: Int32Array,
     found: Int32Array,
     rows: FloatArray,
     gaps: FloatArray,
 ) -> None:
-    """Write the gaps of at most `BLOCK` points, after one or two looks."""
-    write_gaps(head, following, points, normals, reach, first, last, spots, found, rows, gaps)
+    """Write the gaps of the points of a contour, after one or two looks.
+
+    Not of all, as soon as it is certain that fewer than `fewest` have mates on either side.
+    """
+    dark = bright = 0
+    for k in range(first, last, BLOCK):
+        end = min(k + BLOCK, last)
+        write_gaps(head, following, points, normals, reach, k, end, spots, found, rows, gaps)
+        for m in range(k, end):
+            dark += gaps[0, m] > 0.0
+            bright += gaps[1, m] > 0.0
+        if max(dark, bright) + last - end < fewest:
+            return
     if twice:
         complete_mates(head, following, points, normals, first, last, gaps)
 
@@ -218,11 +249,9 @@ def find_mates(
     points: FloatArray,
     normals: FloatArray,
     offsets: IntArray,
-    closed: BoolArray,
     reach: float,
     least: int,
     alone: float,
-    alone_reach: float,
     share: float,
 ) -> tuple[FloatArray, bool]:
     """Return for every edge point the distances (2, N) to the nearest opposite edges, else 0.
@@ -232,53 +261,41 @@ def find_mates(
     (`complete_mates`).
 
     Also returned is whether more than a `share` of the points on long contours have mates. Of most
-    images it is soon certain that they have not, and of most contours that they have no width of
-    their own (`own_width`, by `alone` and `alone_reach`): the rest of these is not looked at. So
-    the first points of all contours come before the next ones.
+    images it is soon certain that they have not, and then of most contours that they have no width
+    of their own, for which a share `alone` of their points needs mates: the rest of these is not
+    looked at.
     """
     steps = int(reach)
     gaps = np.zeros((2, len(points)))
     spots = np.empty((2 * steps, BLOCK), np.int32)
     found = np.empty((2, 2 * steps * BLOCK + 1), np.int32)
     rows = np.empty((6, BLOCK))
-    done = offsets[:-1].copy()
-    long = np.empty(len(offsets), np.int64)
-    waiting, rest = long_contours(offsets, long)
+    seen = np.zeros(len(offsets) - 1, np.bool_)
+    shortest = least_long(offsets)
+    rest = points_of_long(offsets, shortest)
     wanted = share * rest
     drawn = rest > wanted
     count = 0
-    while drawn and waiting > 0:
-        kept = 0
-        for c in long[:waiting]:
-            first, last = done[c], min(done[c] + BLOCK, offsets[c + 1])
-            twice = offsets[c + 1] - offsets[c] >= least
+    for phase in range(2):
+        for c in range(len(seen)):
+            first, last = offsets[c], offsets[c + 1]
+            if seen[c] or (phase == 0 and (not drawn or last - first < shortest)):
+                continue
+            twice = last - first >= least
+            fewest = alone * (last - first - 2 * END + DOUBTED)
+            if twice:
+                fewest = min(fewest, WORTHWHILE * (last - first))
+            if drawn:
+                fewest = 0.0
             look_for_mates(
-                head, following, points, normals, reach, twice, first, last, spots, found, rows,
-                gaps,
+                head, following, points, normals, reach, first, last, fewest, twice, spots, found,
+                rows, gaps,
             )  # fmt: skip
-            done[c] = last
-            dark, bright = count_sides(gaps[:, first:last], math.inf)
-            count, rest = count + dark + bright, rest - (last - first)
-            drawn = count + rest > wanted
-            if not drawn:
-                break
-            long[kept] = c
-            kept += last < offsets[c + 1]
-        waiting = kept
-    for c in range(len(done)):
-        end = offsets[c + 1]
-        twice = end - offsets[c] >= least
-        wanted = alone * (end - offsets[c] + (0.0 if closed[c] else DOUBTED - 2 * END))
-        dark, bright = count_sides(gaps[:, offsets[c] : done[c]], alone_reach)
-        while done[c] < end and (drawn or max(dark, bright) + end - done[c] > wanted):
-            first, last = done[c], min(done[c] + BLOCK, end)
-            look_for_mates(
-                head, following, points, normals, reach, twice, first, last, spots, found, rows,
-                gaps,
-            )  # fmt: skip
-            done[c] = last
-            more = count_sides(gaps[:, first:last], alone_reach)
-            dark, bright = dark + more[0], bright + more[1]
+            seen[c] = True
+            if phase == 0:
+                dark, bright = count_sides(gaps[:, first:last], math.inf)
+                count, rest = count + dark + bright, rest - (last - first)
+                drawn = count + rest > wanted
     return gaps, drawn
 
 

@@ -45,10 +45,8 @@ def own_width(gaps: FloatArray, share: float, reach: float, doubted: float, stea
             near[size] = gap
             size += 1
     width = np.median(near)
-    alike = 0
-    for gap in near:
-        alike += abs(gap - width) < steady
-    return side * width if alike > least else 0.0
+    alike = float(np.sum(np.abs(near - width) < steady))
+    return float(side * width) if alike > least else 0.0
 
 
 @inner_kernel

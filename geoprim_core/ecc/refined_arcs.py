@@ -168,11 +168,9 @@ def _stroke_widths(
     gaps, drawn = _mates.find_mates(
         *place,
         contours.offsets,
-        contours.closed,
         max(reach, params.drawing_reach, _soft_reach(contours, params)),
         params.min_arc if params.second_look else len(contours.points) + 1,
         alone,
-        reach,
         params.stroke_share * shown,
     )
     common = _common_width(gaps, contours, params) if drawn else 0.0

@@ -144,10 +144,7 @@ def mates_of(edges, offsets, share=0.0, alone=0.93, least=10):
     normals = np.concatenate([np.tile(normal, (len(edge), 1)) for edge, normal in edges])
     wide, high = np.ceil(points.max(axis=0)).astype(int) + 20
     head, following = support.index_points(points, normals, wide, high)
-    closed = np.zeros(len(offsets) - 1, bool)
-    return mates.find_mates(
-        head, following, points, normals, offsets, closed, 4.0, least, alone, 4.0, share
-    )
+    return mates.find_mates(head, following, points, normals, offsets, 4.0, least, alone, share)
 
 
 def level_edges(rows, length=30):
