@@ -24,7 +24,7 @@ _NOISY = (0.8, 1.2)  # pixels of blur from which an image counts as noisy, a lit
 _NOISE_HIDES = 0.45  # share of the points on lines of which noise hides the other edge
 _ONE_WIDTH = 0.65  # share of the mates across a line that are at its width: of texture, half
 _RUN_TOGETHER = 3.3  # width of a line over the softness of its edges
-_PICTURE_BLUR = 0.5  # pixels, the least that lines show of the blur of a picture
+_PICTURE_BLUR = 0.7  # pixels, the least that lines show of the blur of a picture
 _ALIKE = 0.5  # pixels between the width of a line and that of most: other gaps vary
 
 
