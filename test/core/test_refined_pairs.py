@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -95,6 +97,13 @@ def test_the_candidates_are_those_of_trying_every_pair(seed, count, share, slack
     assert found.share == share
     assert np.all(np.diff(found.rank) <= 0)
     assert as_dict(found) == all_pairs(edges, arcs, params)
+    # One pair less than there are sends the search to the cells.
+    cells = pair_arcs(
+        edges, arcs, replace(params, max_pairs=max(1, len(arcs) * (len(arcs) - 1) // 2 - 1))
+    )
+    if cells.complete:
+        assert as_dict(cells) == as_dict(found)
+        assert cells.pairs <= found.pairs
 
 
 @settings(max_examples=15, deadline=None)
