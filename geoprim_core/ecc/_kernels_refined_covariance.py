@@ -18,6 +18,7 @@ POINTS_PER_WAVE = 8.0  # half-waves shorter than so many points tell of single p
 LEAST_WAVES, MOST_WAVES = 6, 20
 OWN_SHARE = 0.1  # of a wave that must be left when what the ellipse takes up is removed
 USUAL_WAVES = 6.0  # the usual ratio counts like so many waves
+LEAST_FREE = 0.3  # share of the points that count as free, however few they are
 USUAL_RATIO = 2.9  # of the noise at low frequencies to the variance, measured
 # These two hold for edges smoothed with a standard deviation of a pixel and grow with it.
 SMALL_SAMPLE = 5.5  # over the number of waves: what is added for not knowing the noise well
@@ -73,7 +74,8 @@ def noise_of(
     variance = 0.0
     for k in range(count):
         variance += distances[k] * distances[k]
-    variance /= max(1, count - 5)
+    # What an ellipse takes up is noise at low frequencies, more than that of five points.
+    variance /= max(LEAST_FREE * count, count - 5.0 * USUAL_RATIO * smoothing)
     waves = min(MOST_WAVES, max(LEAST_WAVES, int(count / (POINTS_PER_WAVE * smoothing))))
     waves = min(waves, count // 3)
     power = USUAL_WAVES * USUAL_RATIO * smoothing * variance
