@@ -15,7 +15,8 @@ DISC = np.array([50.0, 40.0, 40.0, 40.0, 0.0])
 def claimed_for(errors, ellipse=DISC):
     """Return the covariance claimed for a circle with these errors along its normals."""
     radius = ellipse[2] + errors
-    points = np.stack([50 + radius * np.cos(TURN), 40 + radius * np.sin(TURN)], axis=1)
+    turn = np.linspace(-np.pi, np.pi, len(errors), endpoint=False)
+    points = np.stack([50 + radius * np.cos(turn), 40 + radius * np.sin(turn)], axis=1)
     return spread.covariance_of(points, ellipse, 2.0, 1.0)
 
 
@@ -24,9 +25,26 @@ def test_the_covariance_of_independent_errors_is_the_textbook_one_and_a_margin()
     errors = 0.1 * np.random.default_rng(1).standard_normal((30, 400))
     covariance = np.mean([claimed_for(each) for each in errors], axis=0)
     ratio = np.diag(covariance)[:2] / (2 * 0.1**2 / 400)
-    assert np.all(ratio > 1.1) and np.all(ratio < 1.9)
+    assert np.all(ratio > 1.1) and np.all(ratio < 2.0)
     assert 0.5 < np.sqrt(covariance[4, 4]) < np.pi / np.sqrt(12) + 1e-6
     assert np.array_equal(covariance, covariance.T)
+
+
+@pytest.mark.parametrize("count, radius", [(30, 5.0), (44, 7.0), (120, 19.0)])
+def test_what_a_small_ellipse_takes_up_of_the_errors_is_claimed_for(count, radius):
+    # Errors of which the low frequencies hold 2.9 times the variance, as neighbours err alike.
+    turn = np.linspace(-np.pi, np.pi, count, endpoint=False)
+    bends = [wave(m * turn) for m in (1, 2) for wave in (np.cos, np.sin)]
+    waves = np.stack([turn**0, *bends], axis=1)
+    apart = np.minimum(np.arange(count), count - np.arange(count))
+    alike = np.fft.rfft(np.exp(-0.5 * (apart / 0.82) ** 2))
+    white = np.random.default_rng(5).standard_normal((200, count))
+    errors = 0.05 * np.fft.irfft(np.fft.rfft(white) * alike, count)
+    taken = np.linalg.lstsq(waves, errors.T, rcond=None)[0]
+    circle = np.array([50.0, 40.0, radius, radius, 0.0])
+    left = errors - (waves @ taken).T
+    claimed = np.mean([claimed_for(each, circle)[0, 0] for each in left])
+    assert 1.0 < claimed / np.mean(taken[1] ** 2) < 2.0
 
 
 def test_errors_that_go_together_widen_the_covariance():
