@@ -63,16 +63,15 @@ def explain_crossings(
     offsets: IntArray,
     claimed: BoolArray,
     least: float,
-) -> tuple[FloatArray, bool]:
+) -> FloatArray:
     """Return the figures with the crossing points that no accepted ellipse has claimed.
 
     Their evidence changes: what accepted ellipses explain is no clutter, what is left is, in
     proportion to the unsupported rest of the outline. An ellipse whose evidence is below `least`
-    without any clutter is left as it is. Also returns whether that changes which have `least`.
+    without any clutter is left as it is.
     """
     stamp = np.zeros(len(points), np.int64)
     result = figures.copy()
-    changed = False
     for k in range(len(ellipses)):
         row = result[k]
         share = min(row[1], row[2])
@@ -85,5 +84,4 @@ def explain_crossings(
             )
             row[4] = left / (offsets[k + 1] - offsets[k])
         row[0] = evidence - UNEXPLAINED * (1.0 - share) * row[4]
-        changed |= (row[0] >= least) != (figures[k, 0] >= least)
-    return result, changed
+    return result

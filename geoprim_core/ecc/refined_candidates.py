@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geoprim_core._check import FloatArray, IntArray
+from geoprim_core._check import BoolArray, FloatArray, IntArray
+from geoprim_core.ecc import _kernels_refined_clutter as _clutter
 from geoprim_core.ecc import _kernels_refined_pairs as _pairs
 from geoprim_core.ecc import _kernels_refined_verify as _verify
 from geoprim_core.ecc import _kernels_refined_votes as _votes
@@ -15,6 +16,11 @@ from geoprim_core.ecc._kernels_refined_order import best_first
 from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs
 from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.ecc.refined_score import SCORE_MAP
+
+USUAL_SHARE = 0.3
+"""Share of the smooth arcs on no accepted ellipse up to which evidence stays as it is."""
+SOUND = (0.6, 0.8)
+"""Supported share, and ratio of the axes, from which an outline is hardly made of pieces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -197,6 +203,53 @@ def verify(
     return Verified(ellipses, figures, offsets, support, source, walked, complete)
 
 
+def explain_crossings(
+    edges: EdgePoints, verified: Verified, explained: BoolArray, params: RefinedParams
+) -> Verified:
+    """Weigh the evidence of ellipses as if `explained` edge points did not cross their outlines."""
+    if not params.explain_crossings:
+        return verified
+    figures = _clutter.explain_crossings(
+        edges.head,
+        edges.following,
+        edges.points,
+        edges.normals,
+        verified.ellipses,
+        verified.figures,
+        verified.offsets,
+        explained,
+        SCORE_MAP.evidence_of(params.min_score),
+    )
+    return verified.weighed(figures)
+
+
+def allow_for_chance(
+    arcs: SmoothArcs, verified: Verified, explained: BoolArray, params: RefinedParams
+) -> Verified:
+    """Take evidence from ellipses in an image whose smooth arcs are mostly on no ellipse.
+
+    Pieces of outlines make an ellipse by chance the more often, the more arcs there are that
+    accepted ellipses (`explained`, for each edge point) do not explain: in a photograph an ellipse
+    has to show more than in a picture of ellipses. What is whole and round is hardly made of
+    pieces, and loses nothing.
+    """
+    if not (params.chance_weight > 0.0 and len(arcs.indices)):
+        return verified
+    share = 1.0 - float(np.mean(explained[arcs.indices]))
+    figures = verified.figures.copy()
+    whole = _rising(np.minimum(figures[:, 1], figures[:, 2]), SOUND)
+    round_ = _rising(verified.ellipses[:, 3] / verified.ellipses[:, 2], SOUND)
+    doubt = params.chance_weight * max(0.0, share - USUAL_SHARE)
+    figures[:, 0] -= doubt * (1.0 - whole * round_)
+    return verified.weighed(figures)
+
+
+def _rising(value: FloatArray, limits: tuple[float, float]) -> FloatArray:
+    """Return 0 up to the first limit, 1 from the second, and on a line in between."""
+    result: FloatArray = np.clip((value - limits[0]) / (limits[1] - limits[0]), 0.0, 1.0)
+    return result
+
+
 def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:
     """Return the limits in the order that the kernel names."""
     return np.array(
@@ -217,3 +270,20 @@ def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:
             params.round_scatter,
         ]
     )
+
+
+def what_was_left_out(candidates: Candidates, verified: Verified, params: RefinedParams) -> str:
+    """Return which bounds on the work left something out and how much, or an empty text."""
+    bounds = []
+    if not candidates.complete:
+        bounds.append(
+            f"max_pairs = {params.max_pairs}: {candidates.pairs} of up to {candidates.possible} "
+            f"pairs of arcs were looked at, those that may make up {candidates.share:.2g} of an "
+            f"ellipse or more"
+        )
+    if not verified.complete:
+        bounds.append(
+            f"max_candidates = {params.max_candidates}: the best of {len(candidates.rank)} "
+            f"candidates were verified until so many had been walked"
+        )
+    return "; ".join(bounds)

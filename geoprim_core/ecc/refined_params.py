@@ -205,6 +205,13 @@ class RefinedParams(Params):
     explain_crossings: bool = option(
         True, "acceptance: edges of accepted ellipses that cross an outline are no clutter"
     )
+    chance_weight: float = option(
+        2.0,
+        "acceptance: weight of the smooth arcs that accepted ellipses do not explain, against "
+        "ellipses that are made of pieces",
+        low=0.0,
+        high=10.0,
+    )
     claim_reach: float = option(
         1.5,
         "selection: a chosen ellipse claims edge points so near",

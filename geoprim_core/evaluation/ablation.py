@@ -155,6 +155,11 @@ DEPARTURES = (
         "what crosses an outline is clutter unless it is another ellipse",
     ),
     Departure(
+        "arcs on no ellipse tell of chance",
+        {"ecc.refined.chance_weight": 0.0},
+        "pieces make an ellipse by chance the more often, the more arcs are on none",
+    ),
+    Departure(
         "reach follows the scatter",
         {"ecc.refined.reach_spread": 0.0},
         "what is far off for this outline is no support of it",

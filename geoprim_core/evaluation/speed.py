@@ -129,7 +129,7 @@ def _time_steps(image: AnyArray, params: DetectorParams, now: Callable[[], float
     verified = verify(edges, arcs, candidates, settings)
     clock.append(now())
     verified = cross_check(edges, verified, settings)
-    verified, chosen = accept(edges, verified, settings)
+    verified, chosen = accept(edges, arcs, verified, settings)
     refit_chosen(edges, arcs, verified, chosen, contours.image_size, settings)
     clock.append(now())
     return [*np.diff(clock), _time_whole(image, params, now)]

@@ -1,0 +1,63 @@
+"""Evidence counts less where most arcs of the image are on no ellipse."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from geoprim_core.ecc import refined_candidates
+from geoprim_core.ecc.refined import trace_refined
+from geoprim_core.ecc.refined_candidates import USUAL_SHARE, allow_for_chance
+from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.edges import extract_contours
+from geoprim_core.synthetic import render_ellipses, thesis_image
+from geoprim_core.types import Ellipses
+
+FLAT = Ellipses.from_array([[60, 50, 40, 15, 0.3]])
+
+
+def lost(ellipses, explained, params=None):
+    """Return the evidence that whole ellipses lose when a share of the arcs is explained."""
+    picture = render_ellipses(ellipses, (130, 100))
+    trace = trace_refined(extract_contours(picture))
+    points = np.zeros(len(trace.edges.points), bool)
+    on_arcs = trace.arcs.indices
+    points[on_arcs[: round(explained * len(on_arcs))]] = True
+    after = allow_for_chance(trace.arcs, trace.verified, points, params or RefinedParams())
+    return trace.verified.figures[:, 0] - after.figures[:, 0]
+
+
+@pytest.mark.parametrize("explained", [0.0, 0.25, 0.5])
+def test_evidence_falls_in_proportion_to_the_unexplained_arcs(explained):
+    expected = 2.0 * (1.0 - explained - USUAL_SHARE)
+    assert lost(FLAT, explained, RefinedParams(chance_weight=2.0)) == pytest.approx(
+        expected, abs=0.02
+    )
+
+
+@pytest.mark.parametrize("explained", [1.0 - USUAL_SHARE + 0.01, 1.0])
+def test_nothing_is_lost_where_most_arcs_are_explained(explained):
+    assert not lost(FLAT, explained).any()
+
+
+def test_what_is_whole_and_round_loses_nothing():
+    assert not lost(Ellipses.from_array([[60, 50, 30, 28, 0.3]]), 0.0).any()
+
+
+def test_no_weight_changes_nothing():
+    assert not lost(FLAT, 0.0, RefinedParams(chance_weight=0.0)).any()
+
+
+def test_the_shift_is_the_same_for_all_that_is_made_of_pieces():
+    picture = thesis_image(8, 7).image
+    trace = trace_refined(extract_contours(picture))
+    figures = trace.verified.figures.copy()
+    figures[:, 1] = refined_candidates.SOUND[0]
+    pieces = replace(trace.verified, figures=figures)
+    none = np.zeros(len(trace.edges.points), bool)
+    after = allow_for_chance(trace.arcs, pieces, none, RefinedParams())
+    shift = figures[:, 0] - after.figures[:, 0]
+    assert shift == pytest.approx(RefinedParams().chance_weight * (1.0 - USUAL_SHARE))
+    assert (after.figures[:, 1:] == figures[:, 1:]).all()
