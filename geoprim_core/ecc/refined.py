@@ -238,7 +238,7 @@ def accept(
     if params.explain_crossings or params.chance_weight > 0.0:
         explained = _choose(edges, verified, EXPLAINING, params).claimed
         verified = explain_crossings(edges, verified, explained, params)
-        verified = allow_for_chance(arcs, verified, explained, params)
+        verified = allow_for_chance(edges, arcs, verified, explained, params)
     return verified, select(edges, verified, params)
 
 

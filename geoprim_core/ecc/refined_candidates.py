@@ -224,20 +224,25 @@ def explain_crossings(
 
 
 def allow_for_chance(
-    arcs: SmoothArcs, verified: Verified, explained: BoolArray, params: RefinedParams
+    edges: EdgePoints,
+    arcs: SmoothArcs,
+    verified: Verified,
+    explained: BoolArray,
+    params: RefinedParams,
 ) -> Verified:
     """Take evidence from ellipses in an image whose smooth arcs are mostly on no ellipse.
 
     Pieces of outlines make an ellipse by chance the more often, the more arcs there are that
     accepted ellipses (`explained`, for each edge point) do not explain: in a photograph an ellipse
     has to show more than in a picture of ellipses. What is whole and round is hardly made of
-    pieces, and loses nothing.
+    pieces, but for noise, and loses nothing.
     """
     if not (params.chance_weight > 0.0 and len(arcs.indices)):
         return verified
     share = 1.0 - float(np.mean(explained[arcs.indices]))
     figures = verified.figures.copy()
     whole = _rising(np.minimum(figures[:, 1], figures[:, 2]), SOUND)
+    whole *= max(0.0, 1.0 - edges.noisiness)
     round_ = _rising(verified.ellipses[:, 3] / verified.ellipses[:, 2], SOUND)
     doubt = params.chance_weight * max(0.0, share - USUAL_SHARE)
     figures[:, 0] -= doubt * (1.0 - whole * round_)

@@ -16,16 +16,19 @@ from geoprim_core.synthetic import render_ellipses, thesis_image
 from geoprim_core.types import Ellipses
 
 FLAT = Ellipses.from_array([[60, 50, 40, 15, 0.3]])
+ROUND = Ellipses.from_array([[60, 50, 30, 28, 0.3]])
 
 
-def lost(ellipses, explained, params=None):
+def lost(ellipses, explained, params=None, noisy=False):
     """Return the evidence that whole ellipses lose when a share of the arcs is explained."""
     picture = render_ellipses(ellipses, (130, 100))
     trace = trace_refined(extract_contours(picture))
+    edges = replace(trace.edges, spread=100.0) if noisy else trace.edges
     points = np.zeros(len(trace.edges.points), bool)
     on_arcs = trace.arcs.indices
     points[on_arcs[: round(explained * len(on_arcs))]] = True
-    after = allow_for_chance(trace.arcs, trace.verified, points, params or RefinedParams())
+    settings = params or RefinedParams()
+    after = allow_for_chance(edges, trace.arcs, trace.verified, points, settings)
     return trace.verified.figures[:, 0] - after.figures[:, 0]
 
 
@@ -42,8 +45,9 @@ def test_nothing_is_lost_where_most_arcs_are_explained(explained):
     assert not lost(FLAT, explained).any()
 
 
-def test_what_is_whole_and_round_loses_nothing():
-    assert not lost(Ellipses.from_array([[60, 50, 30, 28, 0.3]]), 0.0).any()
+def test_what_is_whole_and_round_loses_nothing_but_in_noise():
+    assert not lost(ROUND, 0.0).any()
+    assert lost(ROUND, 0.0, noisy=True) == pytest.approx(lost(FLAT, 0.0)[0])
 
 
 def test_no_weight_changes_nothing():
@@ -57,7 +61,7 @@ def test_the_shift_is_the_same_for_all_that_is_made_of_pieces():
     figures[:, 1] = refined_candidates.SOUND[0]
     pieces = replace(trace.verified, figures=figures)
     none = np.zeros(len(trace.edges.points), bool)
-    after = allow_for_chance(trace.arcs, pieces, none, RefinedParams())
+    after = allow_for_chance(trace.edges, trace.arcs, pieces, none, RefinedParams())
     shift = figures[:, 0] - after.figures[:, 0]
     assert shift == pytest.approx(RefinedParams().chance_weight * (1.0 - USUAL_SHARE))
     assert (after.figures[:, 1:] == figures[:, 1:]).all()
