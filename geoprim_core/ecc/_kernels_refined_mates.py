@@ -6,16 +6,17 @@ import math
 
 import numpy as np
 
-from geoprim_core._check import FloatArray, IntArray
+from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_outline import Int32Array
 
 FARTHEST = 1.5  # pixels that a point in the pixel of a step may be nearer than the step
 LIKE_NEIGHBOUR = 0.75  # pixels between the distances to the mates of two neighbours
-WORTHWHILE = 0.4  # share of points with a mate from which those of the others are looked for again
+WORTHWHILE = 0.5  # share of the mates that a line needs from which more are looked for
 END = 6  # points at the end of a line of which only one edge may be seen
 DOUBTED = 3.0  # points without a mate that open contours are given: short ones have mates by chance
 BLOCK = 64  # points that mates are looked for together, at most
+BIN = 0.25  # pixels, of the tally of distances
 LONG = 30.0  # points of a contour; on shorter ones noise decides
 LONG_SHARE = 0.5  # or that share of the longest: of small circles all contours are short
 
@@ -98,6 +99,7 @@ def mate_near(
     following: Int32Array,
     points: FloatArray,
     normals: FloatArray,
+    reach: float,
     k: int,
     gap: float,
 ) -> float:
@@ -113,7 +115,7 @@ def mate_near(
             while p >= 0:
                 along = (points[p, 0] - x) * nx + (points[p, 1] - y) * ny
                 dot = normals[p, 0] * nx + normals[p, 1] * ny
-                if dot < -0.9 and abs(along - gap) < nearest:
+                if dot < -0.9 and abs(along - gap) < nearest and abs(along) < reach:
                     found, nearest = along, abs(along - gap)
                 p = following[p]
     return found
@@ -125,6 +127,7 @@ def follow_mates(
     following: Int32Array,
     points: FloatArray,
     normals: FloatArray,
+    reach: float,
     first: int,
     step: int,
     sign: float,
@@ -135,7 +138,7 @@ def follow_mates(
         k = m if step > 0 else len(gaps) - 1 - m
         if gaps[k] == 0.0 and gaps[k - step] != 0.0:
             gap = sign * gaps[k - step]
-            gaps[k] = abs(mate_near(head, following, points, normals, first + k, gap))
+            gaps[k] = abs(mate_near(head, following, points, normals, reach, first + k, gap))
 
 
 @kernel
@@ -144,50 +147,25 @@ def complete_mates(
     following: Int32Array,
     points: FloatArray,
     normals: FloatArray,
+    reach: float,
     first: int,
     last: int,
+    sign: float,
     gaps: FloatArray,
 ) -> None:
     """Find, in place, the mates of points first .. last - 1 next to points that have one.
 
-    A normal may pass between two pixels of an edge that runs diagonally, and does so for some
-    points on end. Where the mate of the neighbour is tells where to look. Both ways along the
-    contour count alike. Where few points have mates, there is no line.
+    Those on one side (`sign` -1: dark, 1: bright). A normal may pass between two pixels of an edge
+    that runs diagonally, and does so for some points on end. Where the mate of the neighbour is
+    tells where to look. Both ways along the contour count alike.
     """
-    ways = np.empty((2, last - first))
-    for side in range(2):
-        own = gaps[side, first:last]
-        found = 0
-        for gap in own:
-            found += gap != 0.0
-        if found < WORTHWHILE * len(own):
-            continue
-        for way in range(2):
-            ways[way] = own
-            follow_mates(
-                head, following, points, normals, first, 1 - 2 * way, 2.0 * side - 1.0, ways[way]
-            )
-        for k in range(len(own)):
-            there, back = ways[0, k], ways[1, k]
-            own[k] = min(there, back) if there > 0.0 and back > 0.0 else max(there, back)
-
-
-@inner_kernel
-def nearer_mate(gaps: FloatArray, k: int) -> float:
-    """Return the signed distance of a point to its nearer mate, 0 where it has none."""
-    dark, bright = float(gaps[0, k]), float(gaps[1, k])
-    return -dark if dark > 0.0 and not 0.0 < bright < dark else bright
-
-
-@inner_kernel
-def count_sides(gaps: FloatArray, reach: float) -> tuple[int, int]:
-    """Return how many points have their nearer mate, within `reach`, on the dark side and not."""
-    dark = bright = 0
-    for k in range(gaps.shape[1]):
-        gap = nearer_mate(gaps, k)
-        dark += -reach < gap < 0.0
-        bright += 0.0 < gap < reach
-    return dark, bright
+    own = gaps[first:last]
+    there, back = own.copy(), own.copy()
+    follow_mates(head, following, points, normals, reach, first, 1, sign, there)
+    follow_mates(head, following, points, normals, reach, first, -1, sign, back)
+    for k in range(len(own)):
+        both = there[k] > 0.0 and back[k] > 0.0
+        own[k] = min(there[k], back[k]) if both else max(there[k], back[k])
 
 
 @inner_kernel
@@ -210,6 +188,26 @@ def points_of_long(offsets: IntArray, shortest: float) -> int:
 
 
 @inner_kernel
+def count_distances(gaps: FloatArray, first: int, last: int, tallies: IntArray) -> None:
+    """Add the gaps of the points first .. last - 1 to the tallies of the two sides."""
+    for side in range(2):
+        own, tally = gaps[side], tallies[side]
+        for k in range(first, last):
+            tally[np.uint64(own[k] / BIN)] += own[k] > 0.0
+
+
+@inner_kernel
+def most_alike(tally: IntArray, within: float) -> int:
+    """Return a bound from above of how many distances of a tally lie `within` so much of one."""
+    span = int(2.0 * within / BIN) + 2
+    most = inside = 0
+    for k in range(len(tally)):
+        inside += tally[k] - (tally[k - span] if k >= span else 0)
+        most = max(most, inside)
+    return most
+
+
+@inner_kernel
 def look_for_mates(
     head: Int32Array,
     following: Int32Array,
@@ -218,28 +216,34 @@ def look_for_mates(
     reach: float,
     first: int,
     last: int,
+    needed: float,
     fewest: float,
+    within: float,
     twice: bool,
     spots: Int32Array,
     found: Int32Array,
     rows: FloatArray,
+    tallies: IntArray,
     gaps: FloatArray,
 ) -> None:
     """Write the gaps of the points of a contour, after one or two looks.
 
-    Not of all, as soon as it is certain that fewer than `fewest` have mates on either side.
+    Not of all, as soon as it is certain that fewer than `fewest` of those on a side lie `within`
+    so much of one distance. The second look is where a share of `needed` already does.
     """
-    dark = bright = 0
+    tallies[:] = 0
     for k in range(first, last, BLOCK):
         end = min(k + BLOCK, last)
         write_gaps(head, following, points, normals, reach, k, end, spots, found, rows, gaps)
-        for m in range(k, end):
-            dark += gaps[0, m] > 0.0
-            bright += gaps[1, m] > 0.0
-        if max(dark, bright) + last - end < fewest:
+        count_distances(gaps, k, end, tallies)
+        alike = max(most_alike(tallies[0], within), most_alike(tallies[1], within))
+        if alike + last - end < fewest:
             return
-    if twice:
-        complete_mates(head, following, points, normals, first, last, gaps)
+    for side in range(2 if twice else 0):
+        if most_alike(tallies[side], within) >= WORTHWHILE * needed:
+            complete_mates(
+                head, following, points, normals, reach, first, last, 2.0 * side - 1.0, gaps[side]
+            )
 
 
 @kernel
@@ -249,10 +253,12 @@ def find_mates(
     points: FloatArray,
     normals: FloatArray,
     offsets: IntArray,
+    closed: BoolArray,
     reach: float,
     least: int,
     alone: float,
     share: float,
+    within: float,
 ) -> tuple[FloatArray, bool]:
     """Return for every edge point the distances (2, N) to the nearest opposite edges, else 0.
 
@@ -260,42 +266,43 @@ def find_mates(
     its own gradient points the other way. On contours of `least` points mates are looked for twice
     (`complete_mates`).
 
-    Also returned is whether more than a `share` of the points on long contours have mates. Of most
-    images it is soon certain that they have not, and then of most contours that they have no width
-    of their own, for which a share `alone` of their points needs mates: the rest of these is not
-    looked at.
+    Also returned is whether more than a `share` of the points on long contours may have mates at
+    one distance, to `within` so much. Of most images it is soon certain that they have not, and
+    then of most contours that they have no width of their own, for which a share `alone` of their
+    points needs such mates: the rest of these is not looked at.
     """
     steps = int(reach)
     gaps = np.zeros((2, len(points)))
     spots = np.empty((2 * steps, BLOCK), np.int32)
     found = np.empty((2, 2 * steps * BLOCK + 1), np.int32)
     rows = np.empty((6, BLOCK))
+    tallies = np.zeros((2, 2, int(reach / BIN) + 1), np.int64)
     seen = np.zeros(len(offsets) - 1, np.bool_)
-    shortest = least_long(offsets)
-    rest = points_of_long(offsets, shortest)
+    long = least_long(offsets)
+    rest = points_of_long(offsets, long)
     wanted = share * rest
     drawn = rest > wanted
-    count = 0
+    shortest_open = alone * DOUBTED / (1.0 - alone) if alone < 1.0 else math.inf
     for phase in range(2):
         for c in range(len(seen)):
             first, last = offsets[c], offsets[c + 1]
-            if seen[c] or (phase == 0 and (not drawn or last - first < shortest)):
+            if seen[c] or (phase == 0 and (not drawn or last - first < long)):
                 continue
             twice = last - first >= least
-            fewest = alone * (last - first - 2 * END + DOUBTED)
-            if twice:
-                fewest = min(fewest, WORTHWHILE * (last - first))
-            if drawn:
-                fewest = 0.0
-            look_for_mates(
-                head, following, points, normals, reach, first, last, fewest, twice, spots, found,
-                rows, gaps,
-            )  # fmt: skip
+            needed = alone * (last - first)
+            if not closed[c]:
+                needed = max(alone * (last - first - 2 * END + DOUBTED), shortest_open)
+            fewest = needed * (WORTHWHILE if twice else 1.0)
+            if drawn or last - first >= needed:
+                look_for_mates(
+                    head, following, points, normals, reach, first, last, needed,
+                    0.0 if drawn else fewest, within, twice, spots, found, rows, tallies[0], gaps,
+                )  # fmt: skip
             seen[c] = True
             if phase == 0:
-                dark, bright = count_sides(gaps[:, first:last], math.inf)
-                count, rest = count + dark + bright, rest - (last - first)
-                drawn = count + rest > wanted
+                count_distances(gaps, first, last, tallies[1])
+                rest -= last - first
+                drawn = most_alike(tallies[1, 0] + tallies[1, 1], within) + rest > wanted
     return gaps, drawn
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_mates import DOUBTED, END, count_sides, nearer_mate
+from geoprim_core.ecc._kernels_refined_mates import DOUBTED, END
 
 ALIKE = 1.0  # pixels between the width of a line here and that of the lines of a drawing
 FOLLOWED = 5.0  # points with a mate that a contour is given in an image of lines
@@ -31,22 +31,18 @@ def own_width(gaps: FloatArray, share: float, reach: float, doubted: float, stea
     on one side within `reach`, at one distance to within `steady`.
     """
     least = share * (gaps.shape[1] + doubted)
-    if gaps.shape[1] <= least:
-        return 0.0
-    dark, bright = count_sides(gaps, reach)
-    if max(dark, bright) <= least:
-        return 0.0
-    side = -1.0 if dark > bright else 1.0
-    near = np.empty(max(dark, bright))
-    size = 0
-    for k in range(gaps.shape[1]):
-        gap = side * nearer_mate(gaps, k)
-        if 0.0 < gap < reach:
-            near[size] = gap
-            size += 1
-    width = np.median(near)
-    alike = float(np.sum(np.abs(near - width) < steady))
-    return float(side * width) if alike > least else 0.0
+    for side in range(2):
+        own, other = gaps[side], gaps[1 - side]
+        near = np.empty(len(own))
+        size = 0
+        for k in range(len(own)):
+            near[size] = own[k]
+            size += (0.0 < own[k] < reach) & ((other[k] == 0.0) | (own[k] <= other[k]))
+        if size > least:
+            width = np.median(near[:size])
+            if np.sum(np.abs(near[:size] - width) < steady) > least:
+                return float(width if side == 1 else -width)
+    return 0.0
 
 
 @inner_kernel
@@ -70,10 +66,10 @@ def without_ends(gaps: FloatArray) -> tuple[int, int]:
     Where something hides a line, one edge of it is seen further than the other.
     """
     first, last = 0, gaps.shape[1]
-    while first < min(END, last) and nearer_mate(gaps, first) == 0.0:
+    while first < min(END, last) and gaps[0, first] == 0.0 and gaps[1, first] == 0.0:
         first += 1
     most = max(first, last - END)
-    while last > most and nearer_mate(gaps, last - 1) == 0.0:
+    while last > most and gaps[0, last - 1] == 0.0 and gaps[1, last - 1] == 0.0:
         last -= 1
     return first, last
 
@@ -101,9 +97,9 @@ def stroke_widths(
     for c in range(len(offsets) - 1):
         own = gaps[:, offsets[c] : offsets[c + 1]]
         width = followed_width(own, common, both_inks) if common != 0.0 else 0.0
-        if width == 0.0:
+        doubted = 0.0 if closed[c] else DOUBTED
+        if width == 0.0 and own.shape[1] > share * (own.shape[1] + doubted):  # else too short
             first, last = (0, own.shape[1]) if closed[c] else without_ends(own)
-            doubted = 0.0 if closed[c] else DOUBTED
             width = own_width(own[:, first:last], share, reach, doubted, steady)
         if width != 0.0:
             widths[offsets[c] : offsets[c + 1]] = width

@@ -164,19 +164,20 @@ def _stroke_widths(
 ) -> tuple[FloatArray, int]:
     """Return the signed width of the line that each point is on, 0 for none, and how many are."""
     shown = _shown_share(contours)
-    alone, reach = params.stroke_alone * shown, params.stroke_reach
+    alone, reach, within = params.stroke_alone * shown, params.stroke_reach, _ALIKE / shown
     gaps, drawn = _mates.find_mates(
         *place,
         contours.offsets,
+        contours.closed,
         max(reach, params.drawing_reach, _soft_reach(contours, params)),
         params.min_arc if params.second_look else len(contours.points) + 1,
         alone,
         params.stroke_share * shown,
+        within,
     )
     common = _common_width(gaps, contours, params) if drawn else 0.0
-    steady = _ALIKE / shown
     return _stroke.stroke_widths(
-        gaps, contours.offsets, contours.closed, alone, reach, steady, common, params.both_inks
+        gaps, contours.offsets, contours.closed, alone, reach, within, common, params.both_inks
     )
 
 

@@ -144,7 +144,10 @@ def mates_of(edges, offsets, share=0.0, alone=0.93, least=10):
     normals = np.concatenate([np.tile(normal, (len(edge), 1)) for edge, normal in edges])
     wide, high = np.ceil(points.max(axis=0)).astype(int) + 20
     head, following = support.index_points(points, normals, wide, high)
-    return mates.find_mates(head, following, points, normals, offsets, 4.0, least, alone, share)
+    closed = np.zeros(len(offsets) - 1, bool)
+    return mates.find_mates(
+        head, following, points, normals, offsets, closed, 4.0, least, alone, share, 0.5
+    )
 
 
 def level_edges(rows, length=30):
@@ -205,10 +208,7 @@ def test_what_a_normal_passes_by_is_found_beside_the_mate_of_the_neighbour():
     assert not gaps.any()
     head, following = support.index_points(points, normals, 60, 40)
     gaps[0, ::3] = 2.1
-    mates.complete_mates(head, following, points, normals, 0, 40, gaps)
-    assert np.count_nonzero(gaps) == 14  # where few points have mates nothing is expected
-    gaps[0, ::2] = 2.1
-    mates.complete_mates(head, following, points, normals, 0, 40, gaps)
+    mates.complete_mates(head, following, points, normals, 4.0, 0, 40, -1.0, gaps[0])
     assert np.allclose(gaps, [[2.1], [0.0]])
 
 
