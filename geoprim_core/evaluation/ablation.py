@@ -85,7 +85,7 @@ DEPARTURES = (
         "lines of one width all over an image are lines, if they are wide too",
     ),
     Departure(
-        "a second look for the other edge of a line",
+        "second look for the other edge of a line",
         {"ecc.refined.second_look": False, "ecc.refined.stroke_share": 0.6},
         "normals pass between the pixels of a diagonal edge",
     ),
