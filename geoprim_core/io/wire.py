@@ -210,7 +210,7 @@ def _read_contours(message: Any) -> Contours:
         subpixel if len(subpixel) else None,
         angle if len(angle) else None,
         float(message.blur),
-        float(message.softness),
+        float(getattr(message, "softness", np.nan)),  # none in older recordings
     )
 
 

@@ -240,3 +240,11 @@ def test_other_messages_and_missing_fields_are_refused():
     message = SimpleNamespace(__msgtype__="geoprim_msgs/msg/Contours", points=[])
     with pytest.raises(InputError, match=r"all fields.*subpixel"):
         from_wire(message)
+
+
+def test_contours_of_a_recording_from_before_softness_are_read():
+    contours = Contours([[1, 1], [2, 1]], [0, 2], [False], blur=0.6, softness=1.1)
+    record = to_wire(contours, STAMP, "camera")
+    assert from_wire(record).softness == 1.1
+    fields = {name: value for name, value in record.fields.items() if name != "softness"}
+    assert np.isnan(from_wire(Record(record.type, fields)).softness)
