@@ -19,7 +19,7 @@ LEAST_WAVES, MOST_WAVES = 6, 20
 OWN_SHARE = 0.1  # of a wave that must be left when what the ellipse takes up is removed
 USUAL_WAVES = 6.0  # the usual ratio counts like so many waves
 LEAST_FREE = 0.3  # share of the points that count as free, however few they are
-USUAL_RATIO = 2.9  # of the noise at low frequencies to the variance, measured
+USUAL_RATIO = 2.6  # of the noise at low frequencies to the variance, measured
 # These two hold for edges smoothed with a standard deviation of a pixel and grow with it.
 SMALL_SAMPLE = 5.5  # over the number of waves: what is added for not knowing the noise well
 BLUR_DOUBT = 0.75  # pixels^2, by which the variance of a picture's own blur is unknown

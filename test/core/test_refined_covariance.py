@@ -25,7 +25,7 @@ def test_the_covariance_of_independent_errors_is_the_textbook_one_and_a_margin()
     errors = 0.1 * np.random.default_rng(1).standard_normal((30, 400))
     covariance = np.mean([claimed_for(each) for each in errors], axis=0)
     ratio = np.diag(covariance)[:2] / (2 * 0.1**2 / 400)
-    assert np.all(ratio > 1.1) and np.all(ratio < 2.0)
+    assert np.all(ratio > 1.1) and np.all(ratio < 1.9)
     assert 0.5 < np.sqrt(covariance[4, 4]) < np.pi / np.sqrt(12) + 1e-6
     assert np.array_equal(covariance, covariance.T)
 
