@@ -9,9 +9,9 @@ import numpy as np
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_outline import Int32Array
+from geoprim_core.ecc._kernels_refined_second_look import complete_mates
 
 FARTHEST = 1.5  # pixels that a point in the pixel of a step may be nearer than the step
-LIKE_NEIGHBOUR = 0.75  # pixels between the distances to the mates of two neighbours
 WORTHWHILE = 0.5  # share of the mates that a line needs from which more are looked for
 END = 6  # points at the end of a line of which only one edge may be seen
 DOUBTED = 3.0  # points without a mate that open contours are given: short ones have mates by chance
@@ -44,6 +44,8 @@ def write_gaps(
     following: Int32Array,
     points: FloatArray,
     normals: FloatArray,
+    heights: FloatArray,
+    evenness: float,
     reach: float,
     first: int,
     last: int,
@@ -85,87 +87,14 @@ def write_gaps(
             dx, dy = points[at, 0] - x, points[at, 1] - y
             along = side * (dx * nx + dy * ny)
             dot = normals[at, 0] * nx + normals[at, 1] * ny
-            nearer = (dot < -0.9) & (along > 0.5) & (along < nearest[k])
+            low, high = heights[at], heights[first + k]
+            even = (low >= evenness * high) & (high >= evenness * low)
+            nearer = even & (dot < -0.9) & (along > 0.5) & (along < nearest[k])
             nearest[k] = along if nearer else nearest[k]
             p = following[at]
     for k in range(last - first):
         for row in range(2):
             gaps[row, first + k] = rows[4 + row, k] if rows[4 + row, k] < reach else 0.0
-
-
-@inner_kernel
-def mate_near(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    reach: float,
-    k: int,
-    gap: float,
-) -> float:
-    """Return the signed distance from a point to an opposite edge about `gap` away, else 0."""
-    height, width = head.shape
-    nx, ny = normals[k, 0], normals[k, 1]
-    x, y = points[k, 0], points[k, 1]
-    column, row = round(x + gap * nx), round(y + gap * ny)
-    found, nearest = 0.0, LIKE_NEIGHBOUR
-    for j in range(max(0, row - 1), min(height, row + 2)):
-        for i in range(max(0, column - 1), min(width, column + 2)):
-            p = head[j, i]
-            while p >= 0:
-                along = (points[p, 0] - x) * nx + (points[p, 1] - y) * ny
-                dot = normals[p, 0] * nx + normals[p, 1] * ny
-                if dot < -0.9 and abs(along - gap) < nearest and abs(along) < reach:
-                    found, nearest = along, abs(along - gap)
-                p = following[p]
-    return found
-
-
-@inner_kernel
-def follow_mates(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    reach: float,
-    first: int,
-    step: int,
-    sign: float,
-    gaps: FloatArray,
-) -> None:
-    """Find, in place, mates next to those of the neighbours, going one way from point `first`."""
-    for m in range(1, len(gaps)):
-        k = m if step > 0 else len(gaps) - 1 - m
-        if gaps[k] == 0.0 and gaps[k - step] != 0.0:
-            gap = sign * gaps[k - step]
-            gaps[k] = abs(mate_near(head, following, points, normals, reach, first + k, gap))
-
-
-@kernel
-def complete_mates(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    reach: float,
-    first: int,
-    last: int,
-    sign: float,
-    gaps: FloatArray,
-) -> None:
-    """Find, in place, the mates of points first .. last - 1 next to points that have one.
-
-    Those on one side (`sign` -1: dark, 1: bright). A normal may pass between two pixels of an edge
-    that runs diagonally, and does so for some points on end. Where the mate of the neighbour is
-    tells where to look. Both ways along the contour count alike.
-    """
-    own = gaps[first:last]
-    there, back = own.copy(), own.copy()
-    follow_mates(head, following, points, normals, reach, first, 1, sign, there)
-    follow_mates(head, following, points, normals, reach, first, -1, sign, back)
-    for k in range(len(own)):
-        both = there[k] > 0.0 and back[k] > 0.0
-        own[k] = min(there[k], back[k]) if both else max(there[k], back[k])
 
 
 @inner_kernel
@@ -213,6 +142,8 @@ def look_for_mates(
     following: Int32Array,
     points: FloatArray,
     normals: FloatArray,
+    heights: FloatArray,
+    evenness: float,
     reach: float,
     first: int,
     last: int,
@@ -234,7 +165,21 @@ def look_for_mates(
     tallies[:] = 0
     for k in range(first, last, BLOCK):
         end = min(k + BLOCK, last)
-        write_gaps(head, following, points, normals, reach, k, end, spots, found, rows, gaps)
+        write_gaps(
+            head,
+            following,
+            points,
+            normals,
+            heights,
+            evenness,
+            reach,
+            k,
+            end,
+            spots,
+            found,
+            rows,
+            gaps,
+        )
         count_distances(gaps, k, end, tallies)
         alike = max(most_alike(tallies[0], within), most_alike(tallies[1], within))
         if alike + last - end < fewest:
@@ -242,7 +187,17 @@ def look_for_mates(
     for side in range(2 if twice else 0):
         if most_alike(tallies[side], within) >= WORTHWHILE * needed:
             complete_mates(
-                head, following, points, normals, reach, first, last, 2.0 * side - 1.0, gaps[side]
+                head,
+                following,
+                points,
+                normals,
+                heights,
+                evenness,
+                reach,
+                first,
+                last,
+                2.0 * side - 1.0,
+                gaps[side],
             )
 
 
@@ -252,6 +207,8 @@ def find_mates(
     following: Int32Array,
     points: FloatArray,
     normals: FloatArray,
+    heights: FloatArray,
+    evenness: float,
     offsets: IntArray,
     closed: BoolArray,
     reach: float,
@@ -263,8 +220,9 @@ def find_mates(
     """Return for every edge point the distances (2, N) to the nearest opposite edges, else 0.
 
     One on the dark, one on the bright side. A mate lies within `reach` pixels along the gradient,
-    its own gradient points the other way. On contours of `least` points mates are looked for twice
-    (`complete_mates`).
+    its own gradient points the other way and is as high, to `evenness` as the ratio of both: on
+    either side of a line is the same ground, but not of a rim. On contours of `least` points mates
+    are looked for twice (`complete_mates`).
 
     Also returned is whether more than a `share` of the points on long contours may have mates at
     one distance, to `within` so much. Of most images it is soon certain that they have not, and
@@ -295,7 +253,7 @@ def find_mates(
             fewest = needed * (WORTHWHILE if twice else 1.0)
             if drawn or last - first >= needed:
                 look_for_mates(
-                    head, following, points, normals, reach, first, last, needed,
+                    head, following, points, normals, heights, evenness, reach, first, last, needed,
                     0.0 if drawn else fewest, within, twice, spots, found, rows, tallies[0], gaps,
                 )  # fmt: skip
             seen[c] = True

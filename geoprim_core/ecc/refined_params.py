@@ -39,6 +39,12 @@ class RefinedParams(Params):
         low=0.0,
         high=1.0,
     )
+    stroke_evenness: float = option(
+        0.7,
+        "strokes: least ratio of the gradients of both edges of a line, 0 for any",
+        low=0.0,
+        high=1.0,
+    )
     stroke_alone: float = option(
         0.93,
         "strokes: share of a contour's points that makes it a line in other images",

@@ -170,7 +170,7 @@ def recentre(
 
 @kernel
 def locate(flat: Any, dx: Any, dy: Any, index: Any) -> Any:
-    """Return x, y (N,) and the edge table (N, 4) of the pixels at rising flat indices.
+    """Return x, y (N,), the edge table (N, 4) and magnitudes (N,) of pixels at rising flat indices.
 
     The index image (H + 2, W + 2) uint32 is filled in: it holds the place of a pixel in the list,
     `NONE` where there is no edge; with its margin, flat steps of up to two pixels onwards stay
@@ -187,6 +187,7 @@ def locate(flat: Any, dx: Any, dy: Any, index: Any) -> Any:
     xs = np.empty(count, np.int32)
     ys = np.empty(count, np.int32)
     table = np.empty((count, 4), np.float32)
+    magnitudes = np.empty(count, np.float32)
     around = np.empty((6, CHUNK), np.float32)
     rows = np.empty((4, CHUNK), np.float32)
     lengths = np.empty((3, CHUNK))
@@ -202,7 +203,29 @@ def locate(flat: Any, dx: Any, dy: Any, index: Any) -> Any:
             places[np.uint64(np.int64(flat[k]) + ys[k] * MARGIN)] = k
             for column in range(4):
                 table[k, column] = rows[column, k - first]
-    return xs, ys, table
+            magnitudes[k] = lengths[0, k - first]
+    return xs, ys, table, magnitudes
+
+
+@kernel
+def magnitudes_at(points: Any, index: Any, magnitudes: Any) -> Any:
+    """Return the magnitude of the gradient at every point (N,) float64.
+
+    A pixel that was put in between two edge pixels has that of the higher one beside it.
+    """
+    result = np.empty(len(points))
+    for k in range(len(points)):
+        x, y = np.int64(points[k, 0]), np.int64(points[k, 1])
+        place = index[y, x]
+        if place != NONE:
+            result[k] = magnitudes[place]
+            continue
+        result[k] = 0.0
+        for step in range(9):
+            j, i = max(0, y - 1 + step // 3), max(0, x - 1 + step % 3)
+            if index[j, i] != NONE:
+                result[k] = max(result[k], magnitudes[index[j, i]])
+    return result
 
 
 @kernel

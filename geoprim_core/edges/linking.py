@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -39,21 +39,24 @@ class EdgePixels:
     table : (N, 4) float32
         From the pixel to the edge (x, y), in multiples of 1/256 px, within half a pixel; unit
         vector (x, y) of the grey-level gradient, from dark to bright.
+    magnitude : (N,) float32
+        Length of the gradient in grey levels per pixel.
+    strong : (N,) bool
+        Pixels whose gradient noise does not reach; (0,): not known.
     blur : float
         Standard deviation of the Gaussian blur before the gradient in pixels; NaN: not known.
     softness : float
         Standard deviation of the smoothing that most edges show in pixels; NaN: not known.
-    strong : (N,) bool
-        Pixels whose gradient noise does not reach; (0,): not known.
     """
 
     x: Int32Array
     y: Int32Array
     index: UInt32Array
     table: Float32Array
+    magnitude: Float32Array
+    strong: BoolArray
     blur: float = float("nan")
     softness: float = float("nan")
-    strong: BoolArray = field(default_factory=lambda: np.zeros(0, np.bool_))
 
     @property
     def image_size(self) -> tuple[int, int]:
@@ -81,11 +84,9 @@ def locate_pixels(
     height, width = dx.shape
     margin = _kernels_pixels.MARGIN
     index = np.empty((height + margin, width + margin), np.uint32)
-    x, y, table = _kernels_pixels.locate(flat, dx, dy, index)
-    pixels = EdgePixels(x, y, index, table, blur)
-    if math.isinf(sure):
-        return pixels
-    return replace(pixels, strong=np.hypot(dx.ravel()[flat], dy.ravel()[flat]) >= sure)
+    x, y, table, magnitude = _kernels_pixels.locate(flat, dx, dy, index)
+    strong = np.zeros(0, np.bool_) if math.isinf(sure) else magnitude >= sure
+    return EdgePixels(x, y, index, table, magnitude, strong, blur)
 
 
 @lru_cache(maxsize=8)
@@ -159,4 +160,5 @@ def _contours(
         gradient_angle=tilt,
         blur=pixels.blur,
         softness=pixels.softness,
+        gradient_magnitude=_kernels_pixels.magnitudes_at(points, pixels.index, pixels.magnitude),
     )

@@ -90,6 +90,11 @@ DEPARTURES = (
         "normals pass between the pixels of a diagonal edge",
     ),
     Departure(
+        "edges of a line are equally high",
+        {"ecc.refined.stroke_evenness": 0.0},
+        "on both sides of a line is the same ground, not so of the rim of a coin or a lid",
+    ),
+    Departure(
         "dark and bright lines together",
         {"ecc.refined.both_inks": False},
         "a drawing may have lines of both on one ground",

@@ -119,6 +119,7 @@ def _contour_fields(contours: Contours) -> dict[str, Any]:
         "gradient_angle": _float32(contours.gradient_angle),
         "blur": contours.blur,
         "softness": contours.softness,
+        "gradient_magnitude": _float32(contours.gradient_magnitude),
     }
 
 
@@ -202,6 +203,7 @@ def _read_contours(message: Any) -> Contours:
     points = _pairs(message.points, "points")
     subpixel = _pairs(message.subpixel, "subpixel")
     angle = np.asarray(message.gradient_angle, np.float64)
+    magnitude = np.asarray(getattr(message, "gradient_magnitude", ()), np.float64)
     return Contours(
         points,
         np.asarray(message.offsets),
@@ -210,7 +212,8 @@ def _read_contours(message: Any) -> Contours:
         subpixel if len(subpixel) else None,
         angle if len(angle) else None,
         float(message.blur),
-        float(getattr(message, "softness", np.nan)),  # none in older recordings
+        float(getattr(message, "softness", np.nan)),  # older recordings have none,
+        magnitude if len(magnitude) else None,  # and no magnitudes
     )
 
 

@@ -47,6 +47,8 @@ class Contours(Frozen):
     softness : float
         Standard deviation in pixels of all the smoothing that most edges show, that of the picture
         and that of the edge stage; NaN: not known.
+    gradient_magnitude : (N,) float64 or None
+        Length of the grey-level gradient at every pixel, in grey levels per pixel.
     """
 
     points: FloatArray
@@ -57,6 +59,7 @@ class Contours(Frozen):
     gradient_angle: FloatArray | None = None
     blur: float = float("nan")
     softness: float = float("nan")
+    gradient_magnitude: FloatArray | None = None
 
     def __post_init__(self) -> None:
         points = _check.points(self.points)
@@ -69,9 +72,9 @@ class Contours(Frozen):
         )
         if self.subpixel is not None:
             self._set(subpixel=_check.finite(self.subpixel, "subpixel", (len(points), 2)))
-        if self.gradient_angle is not None:
-            angle = _check.finite(self.gradient_angle, "gradient_angle", (len(points),))
-            self._set(gradient_angle=angle)
+        for name in ("gradient_angle", "gradient_magnitude"):
+            if getattr(self, name) is not None:
+                self._set(**{name: _check.finite(getattr(self, name), name, (len(points),))})
         for name in ("blur", "softness"):
             value = float(getattr(self, name))
             if value < 0.0:

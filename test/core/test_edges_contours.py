@@ -121,6 +121,17 @@ def test_the_bias_is_the_shrinkage_of_the_blur():
 
 
 @pytest.mark.parametrize("linking", LINKINGS)
+def test_magnitudes_are_those_of_the_gradient_at_the_pixels(linking):
+    trace = trace_edges(disc(40.0), EdgeParams(linking=linking))
+    x, y = trace.contours.points.astype(int).T
+    there = np.hypot(trace.dx[y, x], trace.dy[y, x])
+    own = trace.edges[y, x]  # others were put in between
+    magnitude = trace.contours.gradient_magnitude
+    np.testing.assert_allclose(magnitude[own], there[own], rtol=1e-6)
+    assert (magnitude > 0.0).all()
+
+
+@pytest.mark.parametrize("linking", LINKINGS)
 def test_gradient_angles_point_from_dark_to_bright(linking):
     contours = extract_contours(disc(40.0), EdgeParams(linking=linking))
     inward = np.array(CENTRE) - contours.subpixel

@@ -145,6 +145,7 @@ def test_arrays_have_the_types_of_the_definition():
         "closed": np.uint8,
         "subpixel": np.float32,
         "gradient_angle": np.float32,
+        "gradient_magnitude": np.float32,
     }
 
 
@@ -242,9 +243,13 @@ def test_other_messages_and_missing_fields_are_refused():
         from_wire(message)
 
 
-def test_contours_of_a_recording_from_before_softness_are_read():
-    contours = Contours([[1, 1], [2, 1]], [0, 2], [False], blur=0.6, softness=1.1)
-    record = to_wire(contours, STAMP, "camera")
+def test_contours_of_a_recording_from_before_softness_and_magnitudes_are_read():
+    known = {"blur": 0.6, "softness": 1.1, "gradient_magnitude": [3.0, 4.0]}
+    record = to_wire(Contours([[1, 1], [2, 1]], [0, 2], [False], **known), STAMP, "camera")
     assert from_wire(record).softness == 1.1
-    fields = {name: value for name, value in record.fields.items() if name != "softness"}
-    assert np.isnan(from_wire(Record(record.type, fields)).softness)
+    assert from_wire(record).gradient_magnitude.tolist() == [3.0, 4.0]
+    later = "softness", "gradient_magnitude"
+    older = {name: value for name, value in record.fields.items() if name not in later}
+    read = from_wire(Record(record.type, older))
+    assert np.isnan(read.softness)
+    assert read.gradient_magnitude is None

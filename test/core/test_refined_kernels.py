@@ -18,6 +18,7 @@ from geoprim_core.ecc import _kernels_refined_order as order
 from geoprim_core.ecc import _kernels_refined_outline as outline
 from geoprim_core.ecc import _kernels_refined_places as places_of
 from geoprim_core.ecc import _kernels_refined_refit as refit
+from geoprim_core.ecc import _kernels_refined_second_look as second_look
 from geoprim_core.ecc import _kernels_refined_stroke as stroke
 from geoprim_core.ecc import _kernels_refined_support as support
 
@@ -146,7 +147,19 @@ def mates_of(edges, offsets, share=0.0, alone=0.93, least=10):
     head, following = support.index_points(points, normals, wide, high)
     closed = np.zeros(len(offsets) - 1, bool)
     return mates.find_mates(
-        head, following, points, normals, offsets, closed, 4.0, least, alone, share, 0.5
+        head,
+        following,
+        points,
+        normals,
+        np.ones(len(points)),
+        0.7,
+        offsets,
+        closed,
+        4.0,
+        least,
+        alone,
+        share,
+        0.5,
     )
 
 
@@ -208,7 +221,9 @@ def test_what_a_normal_passes_by_is_found_beside_the_mate_of_the_neighbour():
     assert not gaps.any()
     head, following = support.index_points(points, normals, 60, 40)
     gaps[0, ::3] = 2.1
-    mates.complete_mates(head, following, points, normals, 4.0, 0, 40, -1.0, gaps[0])
+    second_look.complete_mates(
+        head, following, points, normals, np.ones(40), 0.7, 4.0, 0, 40, -1.0, gaps[0]
+    )
     assert np.allclose(gaps, [[2.1], [0.0]])
 
 

@@ -195,6 +195,15 @@ def test_a_line_that_something_hides_in_part_is_found_on_its_centre_line(hidden)
     assert_same(found_in(image), drawn, 0.3)
 
 
+@pytest.mark.parametrize("face, drawn", [(140.0, False), (40.0, True)])
+def test_a_bright_ring_is_a_rim_unless_the_ground_is_the_same_on_both_sides(face, drawn):
+    ring = Ellipses.from_array([[110.3, 100.6, 40.0, 40.0, 0.0], [110.3, 100.6, 37.0, 37.0, 0.0]])
+    image = render_ellipses(ring, SIZE, levels=np.array([220.0, face]), background=40.0)
+    largest = found_in(image).ellipses.semi_major.max()
+    assert abs(largest - (38.5 if drawn else 40.0)) < 0.3
+    assert found_in(image, RefinedParams(stroke_evenness=0.0)).ellipses.semi_major.max() < 39.0
+
+
 def test_the_rim_of_a_coin_is_no_drawn_line():
     scene = next(iter(sorting_sequence("coins", seed=3, frames=1)))
     found = detect_ellipses(scene.image)

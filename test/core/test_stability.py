@@ -120,7 +120,8 @@ def mapped(contours, change, reverse):
     return Contours(
         places(contours.points)[order], contours.offsets, contours.closed,
         (grid.shape[1], grid.shape[0]), places(contours.positions)[order],
-        np.arctan2(along[:, 1], along[:, 0])[order], contours.blur,
+        np.arctan2(along[:, 1], along[:, 0])[order], contours.blur, contours.softness,
+        contours.gradient_magnitude[order],
     ), moved  # fmt: skip
 
 

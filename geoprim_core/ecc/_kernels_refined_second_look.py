@@ -1,0 +1,96 @@
+"""Kernels of step 4 of the `refined` scheme: mates of edges that a normal passes by."""
+
+from __future__ import annotations
+
+from geoprim_core._check import FloatArray
+from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core.ecc._kernels_refined_outline import Int32Array
+
+LIKE_NEIGHBOUR = 0.75  # pixels between the distances to the mates of two neighbours
+
+
+@inner_kernel
+def mate_near(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    heights: FloatArray,
+    evenness: float,
+    reach: float,
+    k: int,
+    gap: float,
+) -> float:
+    """Return the signed distance from a point to an opposite edge about `gap` away, else 0."""
+    height, width = head.shape
+    nx, ny = normals[k, 0], normals[k, 1]
+    x, y = points[k, 0], points[k, 1]
+    column, row = round(x + gap * nx), round(y + gap * ny)
+    found, nearest = 0.0, LIKE_NEIGHBOUR
+    for j in range(max(0, row - 1), min(height, row + 2)):
+        for i in range(max(0, column - 1), min(width, column + 2)):
+            p = head[j, i]
+            while p >= 0:
+                along = (points[p, 0] - x) * nx + (points[p, 1] - y) * ny
+                dot = normals[p, 0] * nx + normals[p, 1] * ny
+                low, high = min(heights[p], heights[k]), max(heights[p], heights[k])
+                even = low >= evenness * high
+                if even and dot < -0.9 and abs(along - gap) < nearest and abs(along) < reach:
+                    found, nearest = along, abs(along - gap)
+                p = following[p]
+    return found
+
+
+@inner_kernel
+def follow_mates(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    heights: FloatArray,
+    evenness: float,
+    reach: float,
+    first: int,
+    step: int,
+    sign: float,
+    gaps: FloatArray,
+) -> None:
+    """Find, in place, mates next to those of the neighbours, going one way from point `first`."""
+    for m in range(1, len(gaps)):
+        k = m if step > 0 else len(gaps) - 1 - m
+        if gaps[k] == 0.0 and gaps[k - step] != 0.0:
+            gap = sign * gaps[k - step]
+            gaps[k] = abs(
+                mate_near(
+                    head, following, points, normals, heights, evenness, reach, first + k, gap
+                )
+            )
+
+
+@kernel
+def complete_mates(
+    head: Int32Array,
+    following: Int32Array,
+    points: FloatArray,
+    normals: FloatArray,
+    heights: FloatArray,
+    evenness: float,
+    reach: float,
+    first: int,
+    last: int,
+    sign: float,
+    gaps: FloatArray,
+) -> None:
+    """Find, in place, the mates of points first .. last - 1 next to points that have one.
+
+    Those on one side (`sign` -1: dark, 1: bright). A normal may pass between two pixels of an edge
+    that runs diagonally, and does so for some points on end. Where the mate of the neighbour is
+    tells where to look. Both ways along the contour count alike.
+    """
+    own = gaps[first:last]
+    there, back = own.copy(), own.copy()
+    follow_mates(head, following, points, normals, heights, evenness, reach, first, 1, sign, there)
+    follow_mates(head, following, points, normals, heights, evenness, reach, first, -1, sign, back)
+    for k in range(len(own)):
+        both = there[k] > 0.0 and back[k] > 0.0
+        own[k] = min(there[k], back[k]) if both else max(there[k], back[k])
