@@ -40,7 +40,7 @@ class RefinedParams(Params):
         high=1.0,
     )
     stroke_evenness: float = option(
-        0.7,
+        0.5,
         "strokes: least ratio of the gradients of both edges of a line, 0 for any",
         low=0.0,
         high=1.0,
