@@ -9,9 +9,8 @@ import numpy as np
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_outline import Int32Array
-from geoprim_core.ecc._kernels_refined_second_look import complete_mates
+from geoprim_core.ecc._kernels_refined_second_look import Edges, complete_mates
 
-FARTHEST = 1.5  # pixels that a point in the pixel of a step may be nearer than the step
 WORTHWHILE = 0.5  # share of the mates that a line needs from which more are looked for
 END = 6  # points at the end of a line of which only one edge may be seen
 DOUBTED = 3.0  # points without a mate that open contours are given: short ones have mates by chance
@@ -40,12 +39,7 @@ def spots_along(
 
 @inner_kernel
 def write_gaps(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    heights: FloatArray,
-    evenness: float,
+    edges: Edges,
     reach: float,
     first: int,
     last: int,
@@ -58,6 +52,7 @@ def write_gaps(
 
     The points found are kept or not without a branch, as most pixels hold none.
     """
+    head, following, points, normals, heights, evenness = edges
     height, width = head.shape
     flat = head.reshape(head.size)
     steps = len(spots) // 2
@@ -138,12 +133,7 @@ def most_alike(tally: IntArray, within: float) -> int:
 
 @inner_kernel
 def look_for_mates(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    heights: FloatArray,
-    evenness: float,
+    edges: Edges,
     reach: float,
     first: int,
     last: int,
@@ -166,12 +156,7 @@ def look_for_mates(
     for k in range(first, last, BLOCK):
         end = min(k + BLOCK, last)
         write_gaps(
-            head,
-            following,
-            points,
-            normals,
-            heights,
-            evenness,
+            edges,
             reach,
             k,
             end,
@@ -187,12 +172,7 @@ def look_for_mates(
     for side in range(2 if twice else 0):
         if most_alike(tallies[side], within) >= WORTHWHILE * needed:
             complete_mates(
-                head,
-                following,
-                points,
-                normals,
-                heights,
-                evenness,
+                edges,
                 reach,
                 first,
                 last,
@@ -203,12 +183,7 @@ def look_for_mates(
 
 @kernel
 def find_mates(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    heights: FloatArray,
-    evenness: float,
+    edges: Edges,
     offsets: IntArray,
     closed: BoolArray,
     reach: float,
@@ -230,7 +205,7 @@ def find_mates(
     points needs such mates: the rest of these is not looked at.
     """
     steps = int(reach)
-    gaps = np.zeros((2, len(points)))
+    gaps = np.zeros((2, len(edges[2])))
     spots = np.empty((2 * steps, BLOCK), np.int32)
     found = np.empty((2, 2 * steps * BLOCK + 1), np.int32)
     rows = np.empty((6, BLOCK))
@@ -253,7 +228,7 @@ def find_mates(
             fewest = needed * (WORTHWHILE if twice else 1.0)
             if drawn or last - first >= needed:
                 look_for_mates(
-                    head, following, points, normals, heights, evenness, reach, first, last, needed,
+                    edges, reach, first, last, needed,
                     0.0 if drawn else fewest, within, twice, spots, found, rows, tallies[0], gaps,
                 )  # fmt: skip
             seen[c] = True

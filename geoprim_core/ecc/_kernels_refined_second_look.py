@@ -6,22 +6,21 @@ from geoprim_core._check import FloatArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_outline import Int32Array
 
+Edges = tuple[Int32Array, Int32Array, FloatArray, FloatArray, FloatArray, float]
+"""First point of each pixel, the next one in it, points, normals, heights, least ratio of these."""
+
 LIKE_NEIGHBOUR = 0.75  # pixels between the distances to the mates of two neighbours
 
 
 @inner_kernel
 def mate_near(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    heights: FloatArray,
-    evenness: float,
+    edges: Edges,
     reach: float,
     k: int,
     gap: float,
 ) -> float:
     """Return the signed distance from a point to an opposite edge about `gap` away, else 0."""
+    head, following, points, normals, heights, evenness = edges
     height, width = head.shape
     nx, ny = normals[k, 0], normals[k, 1]
     x, y = points[k, 0], points[k, 1]
@@ -43,12 +42,7 @@ def mate_near(
 
 @inner_kernel
 def follow_mates(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    heights: FloatArray,
-    evenness: float,
+    edges: Edges,
     reach: float,
     first: int,
     step: int,
@@ -60,21 +54,12 @@ def follow_mates(
         k = m if step > 0 else len(gaps) - 1 - m
         if gaps[k] == 0.0 and gaps[k - step] != 0.0:
             gap = sign * gaps[k - step]
-            gaps[k] = abs(
-                mate_near(
-                    head, following, points, normals, heights, evenness, reach, first + k, gap
-                )
-            )
+            gaps[k] = abs(mate_near(edges, reach, first + k, gap))
 
 
 @kernel
 def complete_mates(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    heights: FloatArray,
-    evenness: float,
+    edges: Edges,
     reach: float,
     first: int,
     last: int,
@@ -89,8 +74,8 @@ def complete_mates(
     """
     own = gaps[first:last]
     there, back = own.copy(), own.copy()
-    follow_mates(head, following, points, normals, heights, evenness, reach, first, 1, sign, there)
-    follow_mates(head, following, points, normals, heights, evenness, reach, first, -1, sign, back)
+    follow_mates(edges, reach, first, 1, sign, there)
+    follow_mates(edges, reach, first, -1, sign, back)
     for k in range(len(own)):
         both = there[k] > 0.0 and back[k] > 0.0
         own[k] = min(there[k], back[k]) if both else max(there[k], back[k])

@@ -167,10 +167,10 @@ def _stroke_widths(
     shown = _shown_share(contours)
     alone, reach, within = params.stroke_alone * shown, params.stroke_reach, _ALIKE / shown
     heights = contours.gradient_magnitude
+    if heights is None:
+        heights = np.ones(len(contours.points))
     gaps, drawn = _mates.find_mates(
-        *place,
-        np.ones(len(contours.points)) if heights is None else heights,
-        params.stroke_evenness,
+        (*place, heights, params.stroke_evenness),
         contours.offsets,
         contours.closed,
         max(reach, params.drawing_reach, _soft_reach(contours, params)),

@@ -146,21 +146,9 @@ def mates_of(edges, offsets, share=0.0, alone=0.93, least=10):
     wide, high = np.ceil(points.max(axis=0)).astype(int) + 20
     head, following = support.index_points(points, normals, wide, high)
     closed = np.zeros(len(offsets) - 1, bool)
-    return mates.find_mates(
-        head,
-        following,
-        points,
-        normals,
-        np.ones(len(points)),
-        0.7,
-        offsets,
-        closed,
-        4.0,
-        least,
-        alone,
-        share,
-        0.5,
-    )
+    even = np.ones(len(points)), 0.7
+    place = (head, following, points, normals, *even)
+    return mates.find_mates(place, offsets, closed, 4.0, least, alone, share, 0.5)
 
 
 def level_edges(rows, length=30):
@@ -221,9 +209,8 @@ def test_what_a_normal_passes_by_is_found_beside_the_mate_of_the_neighbour():
     assert not gaps.any()
     head, following = support.index_points(points, normals, 60, 40)
     gaps[0, ::3] = 2.1
-    second_look.complete_mates(
-        head, following, points, normals, np.ones(40), 0.7, 4.0, 0, 40, -1.0, gaps[0]
-    )
+    place = (head, following, points, normals, np.ones(40), 0.7)
+    second_look.complete_mates(place, 4.0, 0, 40, -1.0, gaps[0])
     assert np.allclose(gaps, [[2.1], [0.0]])
 
 
