@@ -138,7 +138,7 @@ def test_counts_are_told_and_overrides_are_heeded(graph, tmp_path):
     def values():
         return {pair.key: pair.value for pair in said[-1].status[0].values} if said else {}
 
-    # A publisher of an earlier test that was killed is counted until its lease ends.
+    # One of the test before may be counted until the recorder hears that it is gone.
     graph.spin_until(lambda: values().get("publishers of /contours") == "1")
     graph.spin_until(lambda: values().get("messages") == "1")
     assert values()["messages of /contours"] == values()["publishers of /contours"] == "1"
