@@ -1,6 +1,7 @@
 """Nodes are killed, started again and ended early, and the graph goes on."""
 
 import csv
+import os
 import signal
 import subprocess
 import sys
@@ -12,9 +13,10 @@ STAGES = ("edges", "polygons", "ellipses")
 
 
 def command(module, *words):
-    """Run a trial as a user does."""
+    """Run a trial as a user does, where it does not meet the nodes of other tests."""
     line = [sys.executable, "-m", f"geoprim_ros.endurance.{module}", *map(str, words)]
-    return subprocess.run(line, capture_output=True, text=True, timeout=500)
+    apart = {**os.environ, "ROS_DOMAIN_ID": str(1 + (os.getpid() + 50) % 100)}
+    return subprocess.run(line, capture_output=True, text=True, timeout=500, env=apart)
 
 
 def test_killed_stages_that_start_again_are_taken_up_again(graph, feed, disc_message):
