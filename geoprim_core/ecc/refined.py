@@ -178,7 +178,7 @@ def accept(
     they are the outlines of other ellipses; so are smooth arcs that are on no ellipse. A first
     selection tells which these are.
     """
-    if params.explain_crossings or params.chance_weight > 0.0:
+    if params.explain_crossings or max(params.chance_weight, params.explained_weight) > 0.0:
         explained = _choose(edges, verified, EXPLAINING, params).claimed
         verified = explain_crossings(edges, verified, explained, params)
         verified = allow_for_chance(edges, arcs, verified, explained, params)

@@ -218,6 +218,13 @@ class RefinedParams(Params):
         low=0.0,
         high=10.0,
     )
+    explained_weight: float = option(
+        4.0,
+        "acceptance: evidence that a long outline gains in a noisy image, where accepted ellipses "
+        "explain the smooth arcs",
+        low=0.0,
+        high=20.0,
+    )
     claim_reach: float = option(
         1.5,
         "selection: a chosen ellipse claims edge points so near",

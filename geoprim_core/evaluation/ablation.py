@@ -165,6 +165,11 @@ DEPARTURES = (
         "pieces make an ellipse by chance the more often, the more arcs are on none",
     ),
     Departure(
+        "long outlines suffice in explained noise",
+        {"ecc.refined.explained_weight": 0.0},
+        "noise hides parts of outlines, and few arcs are left to meet by chance",
+    ),
+    Departure(
         "reach follows the scatter",
         {"ecc.refined.reach_spread": 0.0},
         "what is far off for this outline is no support of it",

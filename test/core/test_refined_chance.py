@@ -1,4 +1,4 @@
-"""Evidence counts less where most arcs of the image are on no ellipse."""
+"""Evidence counts less where most arcs are on no ellipse, and more in noise where most are."""
 
 from __future__ import annotations
 
@@ -9,7 +9,12 @@ import pytest
 
 from geoprim_core.ecc import refined_candidates
 from geoprim_core.ecc.refined import trace_refined
-from geoprim_core.ecc.refined_candidates import USUAL_SHARE, allow_for_chance
+from geoprim_core.ecc.refined_candidates import (
+    EXPLAINED_SHARE,
+    LONG,
+    USUAL_SHARE,
+    allow_for_chance,
+)
 from geoprim_core.ecc.refined_params import RefinedParams
 from geoprim_core.edges import extract_contours
 from geoprim_core.synthetic import render_ellipses, thesis_image
@@ -65,3 +70,22 @@ def test_the_shift_is_the_same_for_all_that_is_made_of_pieces():
     shift = figures[:, 0] - after.figures[:, 0]
     assert shift == pytest.approx(RefinedParams().chance_weight * (1.0 - USUAL_SHARE))
     assert (after.figures[:, 1:] == figures[:, 1:]).all()
+
+
+@pytest.mark.parametrize("explained", [1.0, 0.8, 0.6])
+def test_a_long_outline_in_noise_gains_in_proportion_to_the_explained_arcs(explained):
+    weight = 3.0
+    params = RefinedParams(chance_weight=0.0, explained_weight=weight)
+    expected = weight * (1.0 - (1.0 - explained) / EXPLAINED_SHARE)
+    assert -lost(FLAT, explained, params, noisy=True) == pytest.approx(expected, abs=0.1)
+
+
+def test_nothing_is_gained_without_noise_nor_where_half_of_the_arcs_are_on_no_ellipse():
+    params = RefinedParams(chance_weight=0.0)
+    assert not lost(FLAT, 1.0, params).any()
+    assert not lost(FLAT, 1.0 - EXPLAINED_SHARE - 0.02, params, noisy=True).any()
+
+
+def test_a_short_outline_in_noise_gains_nothing():
+    small = Ellipses.from_array([[60, 50, 0.14 * LONG[0], 0.12 * LONG[0], 0.3]])
+    assert not lost(small, 1.0, noisy=True).any()
