@@ -26,12 +26,17 @@ def count_crossings(
     claimed: BoolArray,
     stamp: IntArray,
     mark: int,
-) -> int:
-    """Count the edge points along an outline that run across it and that nothing has claimed."""
+    heights: FloatArray,
+    full: float,
+) -> float:
+    """Count the edge points along an outline that run across it and that nothing has claimed.
+
+    Those whose height is below `full` count for less, in proportion.
+    """
     height, width = head.shape
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
     a, b = ellipse[2], ellipse[3]
-    count = 0
+    count = 0.0
     places = outline_of(a, b, 2.0)
     for k in range(len(places)):
         u, v = a * places[k, 0], b * places[k, 1]
@@ -47,7 +52,7 @@ def count_crossings(
                         stamp[p] = mark
                         _, nx, ny = offset_of(ellipse, cos, sin, points[p, 0], points[p, 1])
                         if abs(nx * normals[p, 0] + ny * normals[p, 1]) < ACROSS:
-                            count += 1
+                            count += 1.0 if heights[p] >= full else heights[p] / full
                     p = following[p]
     return count
 
@@ -61,27 +66,33 @@ def explain_crossings(
     ellipses: FloatArray,
     figures: FloatArray,
     offsets: IntArray,
+    support: IntArray,
     claimed: BoolArray,
+    heights: FloatArray,
+    share: float,
     least: float,
 ) -> FloatArray:
     """Return the figures with the crossing points that no accepted ellipse has claimed.
 
     Their evidence changes: what accepted ellipses explain is no clutter, what is left is, in
-    proportion to the unsupported rest of the outline. An ellipse whose evidence is below `least`
-    without any clutter is left as it is.
+    proportion to the unsupported rest of the outline. Edges count fully when they are as high as
+    a `share` of the median of the support. An ellipse whose evidence is below `least` without any
+    clutter is left as it is.
     """
     stamp = np.zeros(len(points), np.int64)
     result = figures.copy()
     for k in range(len(ellipses)):
         row = result[k]
-        share = min(row[1], row[2])
-        evidence = row[0] + doubt_of_clutter(share, row[4])
+        covered = min(row[1], row[2])
+        evidence = row[0] + doubt_of_clutter(covered, row[4])
         if evidence < least:
             continue
         if row[4] > 0.0:
+            own = support[offsets[k] : offsets[k + 1]]
+            full = share * np.median(heights[own])
             left = count_crossings(
-                head, following, points, normals, ellipses[k], claimed, stamp, k + 1
+                head, following, points, normals, ellipses[k], claimed, stamp, k + 1, heights, full
             )
-            row[4] = left / (offsets[k + 1] - offsets[k])
-        row[0] = evidence - UNEXPLAINED * (1.0 - share) * row[4]
+            row[4] = left / len(own)
+        row[0] = evidence - UNEXPLAINED * (1.0 - covered) * row[4]
     return result

@@ -48,6 +48,8 @@ class EdgePoints:
         The first edge point of every pixel, -1 for none.
     following : (N,) int32
         The next point in the same pixel, -1 for none.
+    heights : (N,) float64
+        Length of the grey-level gradient in grey levels per pixel; ones where it is not known.
     stroke : (N,) float64
         Signed width in pixels of the line that a point is on (negative: dark), 0 for none.
     signed : bool
@@ -66,6 +68,7 @@ class EdgePoints:
     offsets: IntArray
     head: Int32Array
     following: Int32Array
+    heights: FloatArray
     stroke: FloatArray
     signed: bool
     spread: float
@@ -138,9 +141,13 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     normals = _normals(contours)
     signed = contours.gradient_angle is not None
     head, following = index_points(points, normals, width, height)
+    heights = contours.gradient_magnitude
+    if heights is None:
+        heights = np.ones(len(points))
     stroke, moved = np.zeros(len(points)), 0
     if signed and len(points) and max(params.stroke_reach, params.drawing_reach) > 0.0:
-        stroke, moved = _stroke_widths((head, following, points, normals), contours, params)
+        place = (head, following, points, normals)
+        stroke, moved = _stroke_widths(place, heights, contours, params)
     if moved:
         points = points + (0.5 * stroke)[:, np.newaxis] * normals
         head, following = index_points(points, normals, width, height)
@@ -153,6 +160,7 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
         contours.offsets,
         head,
         following,
+        heights,
         stroke,
         signed,
         spread,
@@ -161,14 +169,11 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
 
 
 def _stroke_widths(
-    place: _Place, contours: Contours, params: RefinedParams
+    place: _Place, heights: FloatArray, contours: Contours, params: RefinedParams
 ) -> tuple[FloatArray, int]:
     """Return the signed width of the line that each point is on, 0 for none, and how many are."""
     shown = _shown_share(contours)
     alone, reach, within = params.stroke_alone * shown, params.stroke_reach, _ALIKE / shown
-    heights = contours.gradient_magnitude
-    if heights is None:
-        heights = np.ones(len(contours.points))
     gaps, drawn = _mates.find_mates(
         (*place, heights, params.stroke_evenness),
         contours.offsets,

@@ -210,7 +210,11 @@ def verify(
 def explain_crossings(
     edges: EdgePoints, verified: Verified, explained: BoolArray, params: RefinedParams
 ) -> Verified:
-    """Weigh the evidence of ellipses as if `explained` edge points did not cross their outlines."""
+    """Weigh the evidence of ellipses as if `explained` edge points did not cross their outlines.
+
+    Nor do faint ones much (`crossing_height`): noise leaves edges everywhere, far lower than those
+    of an outline that stands out of it.
+    """
     if not params.explain_crossings:
         return verified
     figures = _clutter.explain_crossings(
@@ -221,7 +225,10 @@ def explain_crossings(
         verified.ellipses,
         verified.figures,
         verified.offsets,
+        verified.support,
         explained,
+        edges.heights,
+        params.crossing_height,
         SCORE_MAP.evidence_of(params.min_score),
     )
     return verified.weighed(figures)

@@ -211,8 +211,15 @@ class RefinedParams(Params):
     explain_crossings: bool = option(
         True, "acceptance: edges of accepted ellipses that cross an outline are no clutter"
     )
+    crossing_height: float = option(
+        0.35,
+        "acceptance: height, in those of the outline, from which an edge across it is clutter in "
+        "full, 0 for any",
+        low=0.0,
+        high=1.0,
+    )
     chance_weight: float = option(
-        2.0,
+        2.2,
         "acceptance: weight of the smooth arcs that accepted ellipses do not explain, against "
         "ellipses that are made of pieces",
         low=0.0,

@@ -160,6 +160,11 @@ DEPARTURES = (
         "what crosses an outline is clutter unless it is another ellipse",
     ),
     Departure(
+        "faint crossings count for less",
+        {"ecc.refined.crossing_height": 0.0},
+        "noise leaves edges everywhere, lower than those of outlines that stand out of it",
+    ),
+    Departure(
         "arcs on no ellipse tell of chance",
         {"ecc.refined.chance_weight": 0.0},
         "pieces make an ellipse by chance the more often, the more arcs are on none",

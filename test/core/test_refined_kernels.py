@@ -390,8 +390,9 @@ def test_gaps_and_crossings_are_the_same_in_a_mirrored_image(seed, signs):
         _, _, gaps = collected(places, across, image, min_cos=0.83)
         claimed = np.zeros(400, bool)
         count = clutter.count_crossings(
-            head, following, places, across, image, claimed, np.zeros(400, np.int64), 1
-        )
+            head, following, places, across, image, claimed, np.zeros(400, np.int64), 1,
+            np.ones(400), 1.0,
+        )  # fmt: skip
         figures.append((gaps, count))
     assert figures[0] == figures[1]
 
@@ -459,16 +460,27 @@ def path_of_quarter(ratio):
     return t, path / path[-1]
 
 
-def test_only_crossing_points_that_nothing_claims_are_counted():
+def count_of_line_through_circle(claimed, heights, full):
+    """Return what is counted of a line that crosses a circle on both sides, at x = 30 and 90."""
     circle = np.array([60.0, 50.0, 30.0, 30.0, 0.0])
-    x = np.arange(20.0, 100.0)
-    points = np.stack([x, np.full(80, 50.0)], axis=1)  # crosses the circle on both sides
+    points = np.stack([np.arange(20.0, 100.0), np.full(80, 50.0)], axis=1)
     normals = np.tile([0.0, 1.0], (80, 1))
     head, following = support.index_points(points, normals, 120, 100)
-    claimed = np.zeros(80, bool)
     stamp = np.zeros(80, np.int64)
-    count = clutter.count_crossings(head, following, points, normals, circle, claimed, stamp, 1)
-    assert count == 6  # three pixels wide on either side
+    return clutter.count_crossings(
+        head, following, points, normals, circle, claimed, stamp, 1, heights, full
+    )
+
+
+def test_only_crossing_points_that_nothing_claims_are_counted():
+    claimed = np.zeros(80, bool)
+    assert count_of_line_through_circle(claimed, np.ones(80), 1.0) == 6  # three pixels a side
     claimed[40:] = True
-    count = clutter.count_crossings(head, following, points, normals, circle, claimed, stamp, 2)
-    assert count == 3
+    assert count_of_line_through_circle(claimed, np.ones(80), 1.0) == 3
+
+
+def test_crossing_points_count_in_proportion_to_their_height_up_to_the_full_one():
+    none = np.zeros(80, bool)
+    heights = np.where(np.arange(80) < 40, 2.0, 50.0)
+    assert count_of_line_through_circle(none, heights, 8.0) == pytest.approx(3 * 0.25 + 3)
+    assert count_of_line_through_circle(none, heights, 0.0) == 6

@@ -15,6 +15,7 @@ from geoprim_core.evaluation import match_ellipses
 from geoprim_core.evaluation.scaling import strewn_arcs
 from geoprim_core.fitting import overlap_matrix
 from geoprim_core.synthetic import (
+    degraded,
     disc_image,
     ellipse_image,
     render_ellipses,
@@ -430,6 +431,18 @@ def test_ellipses_that_cross_are_no_clutter_to_each_other():
     hits = [(overlap_matrix(truth, f.ellipses).max(axis=1) > 0.95).sum() for f in (found, apart)]
     assert hits[0] >= 0.9 * len(truth)
     assert hits[0] >= hits[1]
+
+
+def test_edges_that_noise_leaves_across_strong_outlines_are_hardly_clutter():
+    found = {0.0: 0, RefinedParams().crossing_height: 0}
+    for seed in range(24):
+        scene = degraded(thesis_image(24, seed=600 + seed), noise=8.0, seed=seed)
+        for height in found:
+            ellipses = found_in(scene.image, RefinedParams(crossing_height=height)).ellipses
+            best = overlap_matrix(scene.ellipses, ellipses).max(axis=1)
+            found[height] += int((best > 0.8).sum())
+    every, faint = found.values()
+    assert faint >= every + 5
 
 
 @pytest.mark.parametrize(("drawing", "count"), [("outlines", 2), ("filled", 1)])
