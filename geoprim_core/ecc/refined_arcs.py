@@ -21,6 +21,8 @@ from geoprim_core.types import Contours
 SOBEL_VARIANCE = 0.5  # of the Sobel filter as a blur, in square pixels
 
 _NOISY = (0.8, 1.2)  # pixels of blur from which an image counts as noisy, a little and fully
+_SOFT = (1.2, 1.5)  # softness in pixels from which blur hides parts of outlines, a little and fully
+_BLUR_HIDES = 0.7  # of what noise hides
 _NOISE_HIDES = 0.45  # share of the points on lines of which noise hides the other edge
 _ONE_WIDTH = 0.65  # share of the mates across a line that are at its width: of texture, half
 _RUN_TOGETHER = 3.3  # width of a line over the softness of its edges
@@ -61,6 +63,8 @@ class EdgePoints:
     line_spread : float
         That variance with the blur of the picture itself, in square pixels, where the lines of a
         drawing show it; else 0.
+    softness : float
+        How soft edges typically are: see `Contours.softness`.
     """
 
     points: FloatArray
@@ -73,6 +77,7 @@ class EdgePoints:
     signed: bool
     spread: float
     line_spread: float = 0.0
+    softness: float = math.nan
 
     @property
     def noisiness(self) -> float:
@@ -85,6 +90,17 @@ class EdgePoints:
         edge_blur = math.sqrt(max(0.0, self.spread - SOBEL_VARIANCE))
         line_blur = math.sqrt(max(0.0, self.line_spread - self.spread))
         return max(_noisiness(edge_blur), _noisiness(line_blur))
+
+    @property
+    def vagueness(self) -> float:
+        """How far noise or blur hide parts of outlines: 0 not, 1 fully.
+
+        Blur hides less than noise. What is hidden of one edge of a drawn line the other one shows.
+        """
+        if not self.signed:
+            return 0.0
+        soft = 0.0 if math.isnan(self.softness) else _ramp(self.softness, _SOFT)
+        return max(self.noisiness, _BLUR_HIDES * soft)
 
     @property
     def diagonal(self) -> float:
@@ -165,6 +181,7 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
         signed,
         spread,
         0.0 if signed else _line_spread(stroke, spread, contours, params),
+        contours.softness,
     )
 
 
@@ -192,7 +209,12 @@ def _stroke_widths(
 
 def _noisiness(blur: float) -> float:
     """Return how far noise decides where edges lie, by the standard deviation of the blur."""
-    return min(1.0, max(0.0, (blur - _NOISY[0]) / (_NOISY[1] - _NOISY[0])))
+    return _ramp(blur, _NOISY)
+
+
+def _ramp(value: float, limits: tuple[float, float]) -> float:
+    """Return 0 up to the first limit, 1 from the second, and on a line in between."""
+    return min(1.0, max(0.0, (value - limits[0]) / (limits[1] - limits[0])))
 
 
 def _line_spread(

@@ -20,7 +20,7 @@ from geoprim_core.ecc.refined_score import SCORE_MAP
 USUAL_SHARE = 0.3
 """Share of the smooth arcs on no accepted ellipse up to which evidence stays as it is."""
 EXPLAINED_SHARE = 0.5
-"""That share, up to which a long outline in noise gains evidence."""
+"""That share, up to which a long outline in noise or blur gains evidence."""
 LONG = (60.0, 140.0)
 """Pixels of supported length from which an outline gains some of it, and all."""
 SOUND = (0.6, 0.8)
@@ -249,13 +249,14 @@ def allow_for_chance(
     pieces, but for noise, and loses nothing.
 
     Where accepted ellipses explain nearly all arcs, few are left to meet by chance: a long stretch
-    of an ellipse (`explained_weight`) is enough there in an image whose noise hides the rest.
+    of an ellipse (`explained_weight`) is enough there, in an image whose noise or blur hides the
+    rest.
     """
     if not (max(params.chance_weight, params.explained_weight) > 0.0 and len(arcs.indices)):
         return verified
     share = 1.0 - float(np.mean(explained[arcs.indices]))
     figures = verified.figures.copy()
-    gain = params.explained_weight * edges.noisiness * max(0.0, 1.0 - share / EXPLAINED_SHARE)
+    gain = params.explained_weight * edges.vagueness * max(0.0, 1.0 - share / EXPLAINED_SHARE)
     figures[:, 0] += gain * _rising(figures[:, 5], LONG)
     whole = _rising(np.minimum(figures[:, 1], figures[:, 2]), SOUND)
     whole *= max(0.0, 1.0 - edges.noisiness)

@@ -227,8 +227,8 @@ class RefinedParams(Params):
     )
     explained_weight: float = option(
         4.0,
-        "acceptance: evidence that a long outline gains in a noisy image, where accepted ellipses "
-        "explain the smooth arcs",
+        "acceptance: evidence that a long outline gains in a noisy or blurred image, where "
+        "accepted ellipses explain the smooth arcs",
         low=0.0,
         high=20.0,
     )

@@ -170,9 +170,9 @@ DEPARTURES = (
         "pieces make an ellipse by chance the more often, the more arcs are on none",
     ),
     Departure(
-        "long outlines suffice in explained noise",
+        "long outlines suffice where noise or blur hide the rest",
         {"ecc.refined.explained_weight": 0.0},
-        "noise hides parts of outlines, and few arcs are left to meet by chance",
+        "where ellipses explain the arcs, few are left to meet by chance",
     ),
     Departure(
         "reach follows the scatter",

@@ -24,11 +24,11 @@ FLAT = Ellipses.from_array([[60, 50, 40, 15, 0.3]])
 ROUND = Ellipses.from_array([[60, 50, 30, 28, 0.3]])
 
 
-def lost(ellipses, explained, params=None, noisy=False):
+def lost(ellipses, explained, params=None, noisy=False, **changes):
     """Return the evidence that whole ellipses lose when a share of the arcs is explained."""
     picture = render_ellipses(ellipses, (130, 100))
     trace = trace_refined(extract_contours(picture))
-    edges = replace(trace.edges, spread=100.0) if noisy else trace.edges
+    edges = replace(trace.edges, **changes, **({"spread": 100.0} if noisy else {}))
     points = np.zeros(len(trace.edges.points), bool)
     on_arcs = trace.arcs.indices
     points[on_arcs[: round(explained * len(on_arcs))]] = True
@@ -84,6 +84,14 @@ def test_nothing_is_gained_without_noise_nor_where_half_of_the_arcs_are_on_no_el
     params = RefinedParams(chance_weight=0.0)
     assert not lost(FLAT, 1.0, params).any()
     assert not lost(FLAT, 1.0 - EXPLAINED_SHARE - 0.02, params, noisy=True).any()
+
+
+def test_blur_hides_parts_of_outlines_but_not_of_drawn_lines():
+    params = RefinedParams(chance_weight=0.0)
+    in_noise = -lost(FLAT, 1.0, params, noisy=True)[0]
+    assert 0.0 < -lost(FLAT, 1.0, params, softness=2.0)[0] < in_noise
+    assert not lost(FLAT, 1.0, params, softness=2.0, signed=False).any()
+    assert not lost(FLAT, 1.0, params, softness=1.1).any()
 
 
 def test_a_short_outline_in_noise_gains_nothing():
