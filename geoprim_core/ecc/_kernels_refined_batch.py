@@ -14,6 +14,7 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel, summing_kernel
+from geoprim_core.ecc._kernels_refined_arcs import INWARDS, MIDDLE, SIZE
 from geoprim_core.ecc._kernels_refined_conic import axes_of_conic, direct_conic, ellipse_of_conic
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
@@ -99,9 +100,10 @@ def add_pairs(
     for k in range(size):
         i = first[k]
         j = second[k] if second[k] >= 0 else i
-        x, y = 0.5 * (table[i, 0] + table[j, 0]), 0.5 * (table[i, 1] + table[j, 1])
+        own_x, own_y = table[i, MIDDLE], table[i, MIDDLE + 1]
+        x, y = 0.5 * (own_x + table[j, MIDDLE]), 0.5 * (own_y + table[j, MIDDLE + 1])
         work[X + k], work[Y + k] = x, y
-        work[DX + k], work[DY + k] = table[i, 0] - x, table[i, 1] - y
+        work[DX + k], work[DY + k] = own_x - x, own_y - y
     load_moments(moments, first, size, ONE, work)
     move_moments(size, ONE, work)
     for k in range(size):  # the other middle lies as far on the other side
@@ -151,7 +153,7 @@ def refuse_normals(
         x, y = samples[i, 0, SAMPLES] - work[X + k], samples[i, 1, SAMPLES] - work[Y + k]
         gx = 2.0 * work[A + k] * x + work[B + k] * y + work[D + k]
         gy = 2.0 * work[C + k] * y + work[B + k] * x + work[E + k]
-        inwards = gx * table[i, 10] + gy * table[i, 11]
+        inwards = gx * table[i, INWARDS + 2] + gy * table[i, INWARDS + 3]
         good = (inwards <= -ALONG * math.sqrt(gx * gx + gy * gy)) | (arcs[k] < 0)
         work[GOOD + k] = work[GOOD + k] if good else 0.0
 
@@ -210,7 +212,7 @@ def fit_pairs(
     """
     lengths = np.empty(BATCH)
     for k in range(size):
-        lengths[k] = table[first[k], 18] + (table[second[k], 18] if second[k] >= 0 else 0.0)
+        lengths[k] = table[first[k], SIZE] + (table[second[k], SIZE] if second[k] >= 0 else 0.0)
     add_pairs(table, moments, first, second, size, work)
     fit_conics(size, work)
     refuse_lengths(lengths, size, max_size, min_share, work)
@@ -222,7 +224,7 @@ def fit_pairs(
         for side in range(2):  # the shorter arc first: the fit follows the longer one
             i = second[k] if side == 0 else first[k]
             if work[GOOD + k] > 0.0 and i >= 0:
-                count = min(SAMPLES, int(table[i, 18]))
+                count = min(SAMPLES, int(table[i, SIZE]))
                 worst = max(worst, mean_square(samples, i, count, work, k))
                 work[GOOD + k] = 1.0 if worst < max_rms * max_rms else 0.0
         if not work[GOOD + k] > 0.0:

@@ -9,25 +9,31 @@ import numpy as np
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.ecc._kernels_refined_fit import offset_of
-from geoprim_core.ecc._kernels_refined_outline import ACROSS, Int32Array
+from geoprim_core.ecc._kernels_refined_outline import ACROSS
 from geoprim_core.ecc._kernels_refined_places import outline_of
-from geoprim_core.ecc._kernels_refined_support import doubt_of_clutter
+from geoprim_core.ecc._kernels_refined_points import EdgeIndex
+from geoprim_core.ecc._kernels_refined_support import (
+    ACROSS_EACH,
+    COVERAGE,
+    EVIDENCE,
+    TURN_COVERAGE,
+    Supported,
+    doubt_of_clutter,
+)
 
-UNEXPLAINED = 60.0  # evidence lost for one unexplained crossing point a supporting one
+UNEXPLAINED_WEIGHT = 60.0  # evidence lost for one unexplained crossing point a supporting one
 
 
 @kernel
 def count_crossings(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
+    edges: EdgeIndex,
     ellipse: FloatArray,
     claimed: BoolArray,
     stamp: IntArray,
     mark: int,
 ) -> int:
     """Count the edge points along an outline that run across it and that nothing has claimed."""
+    head, following, points, normals = edges
     height, width = head.shape
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
     a, b = ellipse[2], ellipse[3]
@@ -54,13 +60,8 @@ def count_crossings(
 
 @kernel
 def explain_crossings(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipses: FloatArray,
-    figures: FloatArray,
-    offsets: IntArray,
+    edges: EdgeIndex,
+    found: Supported,
     claimed: BoolArray,
     least: float,
 ) -> FloatArray:
@@ -70,18 +71,16 @@ def explain_crossings(
     proportion to the unsupported rest of the outline. An ellipse whose evidence is below `least`
     without any clutter is left as it is.
     """
-    stamp = np.zeros(len(points), np.int64)
-    result = figures.copy()
-    for k in range(len(ellipses)):
+    stamp = np.zeros(len(edges.points), np.int64)
+    result = found.figures.copy()
+    for k in range(len(result)):
         row = result[k]
-        share = min(row[1], row[2])
-        evidence = row[0] + doubt_of_clutter(share, row[4])
+        share = min(row[COVERAGE], row[TURN_COVERAGE])
+        evidence = row[EVIDENCE] + doubt_of_clutter(share, row[ACROSS_EACH])
         if evidence < least:
             continue
-        if row[4] > 0.0:
-            left = count_crossings(
-                head, following, points, normals, ellipses[k], claimed, stamp, k + 1
-            )
-            row[4] = left / (offsets[k + 1] - offsets[k])
-        row[0] = evidence - UNEXPLAINED * (1.0 - share) * row[4]
+        if row[ACROSS_EACH] > 0.0:
+            left = count_crossings(edges, found.ellipses[k], claimed, stamp, k + 1)
+            row[ACROSS_EACH] = left / (found.offsets[k + 1] - found.offsets[k])
+        row[EVIDENCE] = evidence - UNEXPLAINED_WEIGHT * (1.0 - share) * row[ACROSS_EACH]
     return result

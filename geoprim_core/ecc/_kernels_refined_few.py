@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-from geoprim_core._check import FloatArray, IntArray
+from geoprim_core._check import FloatArray, Int8Array, IntArray
 from geoprim_core._jit import inner_kernel
-
-Int8Array = npt.NDArray[np.int8]
+from geoprim_core.ecc._kernels_refined_arcs import CHORD, INWARDS, MIDDLE, PLACES, POLARITY, SIZE
 
 
 @inner_kernel
@@ -19,12 +17,13 @@ def sees(a: FloatArray, b: FloatArray, slack: float) -> bool:
     and in the middle, and beyond the chord.
     """
     for k in range(3):
-        x = b[2 + 2 * k]
-        y = b[3 + 2 * k]
-        if (x - a[2]) * a[14] + (y - a[3]) * a[15] < -slack:
+        x, y = b[PLACES + 2 * k], b[PLACES + 2 * k + 1]
+        beyond = (x - a[PLACES]) * a[CHORD] + (y - a[PLACES + 1]) * a[CHORD + 1]
+        if beyond < -slack:
             return False
         for j in range(3):
-            inside = (x - a[2 + 2 * j]) * a[8 + 2 * j] + (y - a[3 + 2 * j]) * a[9 + 2 * j]
+            place, normal = PLACES + 2 * j, INWARDS + 2 * j
+            inside = (x - a[place]) * a[normal] + (y - a[place + 1]) * a[normal + 1]
             if inside < -slack:
                 return False
     return True
@@ -38,22 +37,22 @@ def mark_seen(
 
     `columns` is the table of arcs, a row a figure. No branches: vector instructions.
     """
-    x, y, size, polarity = columns[0, i], columns[1, i], columns[18, i], columns[16, i]
-    x1, y1, u1, v1 = columns[2, i], columns[3, i], columns[8, i], columns[9, i]
-    x2, y2, u2, v2 = columns[4, i], columns[5, i], columns[10, i], columns[11, i]
-    x3, y3, u3, v3 = columns[6, i], columns[7, i], columns[12, i], columns[13, i]
-    u4, v4 = columns[14, i], columns[15, i]
+    own = columns[:, i]
+    x, y, size, polarity = own[MIDDLE], own[MIDDLE + 1], own[SIZE], own[POLARITY]
+    x1, y1, u1, v1 = own[PLACES], own[PLACES + 1], own[INWARDS], own[INWARDS + 1]
+    x2, y2, u2, v2 = own[PLACES + 2], own[PLACES + 3], own[INWARDS + 2], own[INWARDS + 3]
+    x3, y3, u3, v3 = own[PLACES + 4], own[PLACES + 5], own[INWARDS + 4], own[INWARDS + 5]
+    u4, v4 = own[CHORD], own[CHORD + 1]
     first = i + 1
-    xs, ys, sizes, polarities = (
-        columns[0, first:], columns[1, first:], columns[18, first:], columns[16, first:],
-    )  # fmt: skip
+    xs, ys = columns[MIDDLE, first:], columns[MIDDLE + 1, first:]
+    sizes, polarities = columns[SIZE, first:], columns[POLARITY, first:]
     for j in range(len(marks)):
         dx, dy = x - xs[j], y - ys[j]
         near = 0.5 * (size + sizes[j]) / share
         far = (dx * dx + dy * dy > near * near) | (signed & (polarity != polarities[j]))
         marks[j] = 0 if far else 2
     for k in range(3):
-        along, down = columns[2 + 2 * k, first:], columns[3 + 2 * k, first:]
+        along, down = columns[PLACES + 2 * k, first:], columns[PLACES + 2 * k + 1, first:]
         for j in range(len(marks)):
             bx, by = along[j], down[j]
             outside = (bx - x1) * u4 + (by - y1) * v4 < -slack

@@ -11,8 +11,9 @@ from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_covariance import covariance_of, radius_at
 from geoprim_core.ecc._kernels_refined_fit import offset_of
 from geoprim_core.ecc._kernels_refined_order import order_around
+from geoprim_core.ecc._kernels_refined_points import arcs_of_points
 from geoprim_core.ecc._kernels_refined_refit import FAR, MAD, TUKEY, X, Y, measure_points, refit
-from geoprim_core.ecc._kernels_refined_support import arcs_of_points
+from geoprim_core.ecc._kernels_refined_support import Supported
 
 GAP = 4.0  # pixels along the outline without support that end an arc
 NOISE_GAP = 12.0  # and that noise may leave
@@ -215,9 +216,7 @@ def finish(
     points: FloatArray,
     order: IntArray,
     ends: IntArray,
-    ellipses: FloatArray,
-    offsets: IntArray,
-    support: IntArray,
+    verified: Supported,
     selected: IntArray,
     score: FloatArray,
     max_size: float,
@@ -242,8 +241,8 @@ def finish(
     saliency = np.empty((3, count))
     for s in range(count):
         k = selected[best[s]]
-        chosen = support[offsets[k] : offsets[k + 1]]
-        ellipse = ellipses[k].copy()
+        chosen = verified.support[verified.offsets[k] : verified.offsets[k + 1]]
+        ellipse = verified.ellipses[k].copy()
         moved = unshrunk(points, chosen, ellipse, spread)
         parameter = parameters_of(moved, ellipse)
         sorting = order_around(parameter)

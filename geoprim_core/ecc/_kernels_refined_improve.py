@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,12 +14,12 @@ from geoprim_core.ecc._kernels_refined_outline import (
     COVERED,
     IN_FRAME,
     STEPS,
-    Int32Array,
     Walk,
     add_support,
     collect,
 )
 from geoprim_core.ecc._kernels_refined_places import GLANCES, SKETCH, sketch_of
+from geoprim_core.ecc._kernels_refined_points import EdgeIndex
 from geoprim_core.ecc._kernels_refined_refit import (
     FAR,
     MAD,
@@ -29,7 +30,7 @@ from geoprim_core.ecc._kernels_refined_refit import (
     measure_points,
     refit,
 )
-from geoprim_core.ecc._kernels_refined_support import hopeless
+from geoprim_core.ecc._kernels_refined_support import Weights, hopeless
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
 LEAST_REACH = 0.7  # pixels
@@ -41,24 +42,78 @@ ROUNDS = 3  # of the robust refit at most
 SETTLED = 0.001  # pixels, by which a settled ellipse moves in a round
 LEAST_WIDTH = 0.5  # pixels, of the weights of the robust refit
 LEAST_POINTS = 10
-REFITS = (1.0, 0.8, 1.0)  # reach of the three collections of support, in shares of the limit
+STRIDE = 2.0  # pixels between the places of a walk that leaves none out
+EARLY_COVERAGE = 0.7  # share of the least coverage that suffices before the last collection
+REFIT_WIDTH = 3.0  # of the weights of the second refit, in reaches
+REACHES = (1.0, 0.8, 1.0)  # reach of the three collections of support, in shares of the limit
 HOPE = (6.0, 1.0)  # evidence that the first and the second refit may still add
 GLANCE_HOPE = (10.0, 8.0)  # and the rest of the outline with the refits, after each glance
 
-# Entries of the array of limits that `improve` and `verify` take.
-REACH, GROWTH, MIN_COSINE, MIN_COVERAGE, MIN_IN_FRAME, MAX_SIZE, MIN_SEMI = range(7)
-ENDS, SPREAD, WEIGHTS = range(7, 10)  # from the last on: what `evidence_of` takes
+
+class Rules(NamedTuple):
+    """What an ellipse has to meet, see `RefinedParams`; lengths are in pixels.
+
+    Attributes
+    ----------
+    reach, reach_growth, reach_spread : float
+        How far support may lie: at most so far, more by so much for each pixel of the semi-minor
+        axis, and so many medians of the distances.
+    min_cosine : float
+        Between gradient and normal.
+    min_coverage, min_in_frame : float
+        Supported share of the outline, and that inside the image.
+    max_semi_major, min_semi_minor : float
+    end_weight : float
+        Of how the supported stretches end.
+    weights : Weights
+    hope : float
+        Evidence that is worth the work: with it, an ellipse is reported.
+    refit_margin : float
+        Evidence that a whole circle may lack of that to be refitted robustly.
+    sure : float
+        Evidence with which an ellipse takes its arcs.
+    weak_claims : bool
+        Whether the arcs of one without hope make no other candidate with each other either.
+    signed : bool
+        Whether support has the polarity of the arcs.
+    max_tries, max_candidates : int
+        Failures of two arcs, and candidates that are looked at closely.
+    """
+
+    reach: float
+    reach_growth: float
+    reach_spread: float
+    min_cosine: float
+    min_coverage: float
+    min_in_frame: float
+    max_semi_major: float
+    min_semi_minor: float
+    end_weight: float
+    weights: Weights
+    hope: float
+    refit_margin: float
+    sure: float
+    weak_claims: bool
+    signed: bool
+    max_tries: int
+    max_candidates: int
 
 
 @kernel
-def fit_chosen(near: FloatArray, count: int, ellipse: FloatArray, work: FloatArray) -> bool:
+def growth_of(ellipse: FloatArray, rules: Rules) -> float:
+    """Return how many times as far as on a small ellipse edge points may lie from a larger one."""
+    return float(1.0 + rules.reach_growth * ellipse[3])
+
+
+@kernel
+def fit_chosen(near: FloatArray, count: int, ellipse: FloatArray) -> bool:
     """Replace an ellipse by the direct fit to some points; False (unchanged) if there is none."""
-    work[:] = 0.0
+    moments = np.zeros(25)
     scale = 1.0 / ellipse[2]
     for k in range(count):
-        add_point(work, (near[X, k] - ellipse[0]) * scale, (near[Y, k] - ellipse[1]) * scale)
+        add_point(moments, (near[X, k] - ellipse[0]) * scale, (near[Y, k] - ellipse[1]) * scale)
     out = np.empty(5)
-    if not fit_moments(work, ellipse[0], ellipse[1], scale, out):
+    if not fit_moments(moments, ellipse[0], ellipse[1], scale, out):
         return False
     ellipse[:] = out
     return True
@@ -106,45 +161,30 @@ def near_copy(ellipses: FloatArray, count: int, ellipse: FloatArray) -> bool:
 
 @inner_kernel
 def look_at(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipse: FloatArray,
-    stride: float,
-    reach: float,
-    limits: FloatArray,
-    hope: float,
-    polarity: int,
-    stamp: Int32Array,
-    mark: int,
-    walk: Walk,
-    chosen: IntArray,
-    sums: FloatArray,
-    glance: bool,
-) -> int:
+    edges: EdgeIndex, ellipse: FloatArray, walk: Walk, stride: float, reach: float, rules: Rules,
+    polarity: int, mark: int, glance: bool,
+) -> int:  # fmt: skip
     """Collect the support at few places of an outline, `stride` pixels apart, enough for a fit.
 
     To `glance` is to look at a quarter and at half of them first, and to return 0 where these
     leave no hope: most candidates are wrong, and that shows soon.
     """
-    sums[:] = 0.0
+    walk.sums[:] = 0.0
     count = start = 0
-    growth = 1.0 + limits[GROWTH] * ellipse[3]
+    growth = growth_of(ellipse, rules)
     sketch_of(ellipse[2], ellipse[3], walk.places)
     for k in range(len(GLANCES)):
         end = GLANCES[k]
         count = add_support(
-            head, following, points, normals, ellipse, walk, start, end, reach,
-            limits[MIN_COSINE], polarity, stamp, mark, chosen, count, sums,
-        )  # fmt: skip
+            edges, ellipse, walk, start, end, reach, rules.min_cosine, polarity, mark, count
+        )
         if glance and end < SKETCH:
             fewest = LEAST_POINTS * end // (2 * SKETCH)
             each = stride * SKETCH / end
             if count <= fewest:
                 return 0
-            least = hope - GLANCE_HOPE[k]
-            if hopeless(sums, count, each, ellipse, growth, limits[WEIGHTS:], least):
+            least = rules.hope - GLANCE_HOPE[k]
+            if hopeless(walk.sums, count, each, ellipse, growth, rules.weights, least):
                 return 0
         start = end
     return count
@@ -152,64 +192,49 @@ def look_at(
 
 @inner_kernel
 def improve(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipse: FloatArray,
-    limits: FloatArray,
-    hope: float,
-    polarity: int,
-    known: FloatArray,
-    found: int,
-    stamp: Int32Array,
-    mark: int,
-    walk: Walk,
-    chosen: IntArray,
-    sums: FloatArray,
-    work: FloatArray,
-) -> int:
+    edges: EdgeIndex, ellipse: FloatArray, walk: Walk, rules: Rules, polarity: int, mark: int,
+    known: FloatArray, found: int,
+) -> int:  # fmt: skip
     """Collect support and refit, twice, then collect again; return the points, 0 for a failure.
 
     The first refit is direct, the second robust and orthogonal. The ellipse is changed in place;
     it fails too when it has become a copy of one of the `found` known ones, or when its evidence
-    stays far below `hope`.
+    stays far below what makes it worth the work.
     """
     count = 0
+    sums = walk.sums
     for step in range(3):
-        growth = 1.0 + limits[GROWTH] * ellipse[3]
-        reach = limits[REACH] * REFITS[step] * growth
+        growth = growth_of(ellipse, rules)
+        reach = rules.reach * REACHES[step] * growth
         if step > 0:
-            reach = reach_of(walk.support, count, ellipse, limits[SPREAD], reach)
+            reach = reach_of(walk.gathered, count, ellipse, rules.reach_spread, reach)
         stride = perimeter_of(ellipse[2], ellipse[3]) / (4.0 * SKETCH)
-        if step < 2 and stride > 2.0:
+        if step < 2 and stride > STRIDE:
             count = look_at(
-                head, following, points, normals, ellipse, stride, reach, limits, hope, polarity,
-                stamp, mark + step, walk, chosen, sums, step == 0,
-            )  # fmt: skip
+                edges, ellipse, walk, stride, reach, rules, polarity, mark + step, step == 0
+            )
         else:
-            stride = 2.0
+            stride = STRIDE
             count = collect(
-                head, following, points, normals, ellipse, stride, reach, limits[MIN_COSINE],
-                polarity, stamp, mark + step, walk, chosen, sums,
-            )  # fmt: skip
-        least = limits[MIN_COVERAGE] * (1.0 if step == 2 else 0.7)
+                edges, ellipse, walk, stride, reach, rules.min_cosine, polarity, mark + step
+            )
+        least = rules.min_coverage * (1.0 if step == 2 else EARLY_COVERAGE)
         if count < LEAST_POINTS or sums[COVERED] < least * sums[IN_FRAME]:
             return 0
-        if sums[IN_FRAME] < limits[MIN_IN_FRAME] * sums[STEPS]:
+        if sums[IN_FRAME] < rules.min_in_frame * sums[STEPS]:
             return 0
         if step < 2:
-            hope_left = hope - HOPE[step]
-            if hopeless(sums, count, stride, ellipse, growth, limits[WEIGHTS:], hope_left):
+            hope_left = rules.hope - HOPE[step]
+            if hopeless(sums, count, stride, ellipse, growth, rules.weights, hope_left):
                 return 0
-        gather_points(points, chosen, count, walk.support)
+        gather_points(edges.points, walk.chosen, count, walk.gathered)
         good = True
         if step == 0:
-            good = fit_chosen(walk.support, count, ellipse, work)
+            good = fit_chosen(walk.gathered, count, ellipse)
         elif step == 1:
-            good = refit(walk.support, count, ellipse, 2, 3.0 * reach)
+            good = refit(walk.gathered, count, ellipse, 2, REFIT_WIDTH * reach)
             good = good and not near_copy(known, found, ellipse)
-        if not good or ellipse[3] < limits[MIN_SEMI] or ellipse[2] > limits[MAX_SIZE]:
+        if not good or ellipse[3] < rules.min_semi_minor or ellipse[2] > rules.max_semi_major:
             return 0
     return count
 
@@ -262,41 +287,18 @@ def refit_robustly(
 
 @inner_kernel
 def polish_support(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipse: FloatArray,
-    limits: FloatArray,
-    polarity: int,
-    stamp: Int32Array,
-    mark: int,
-    walk: Walk,
-    chosen: IntArray,
+    edges: EdgeIndex, ellipse: FloatArray, walk: Walk, rules: Rules, polarity: int, mark: int,
     count: int,
-    sums: FloatArray,
-) -> int:
+) -> int:  # fmt: skip
     """Refit an ellipse robustly and collect its support again; return the number of points."""
     for step in range(POLISHES):
-        refit_robustly(walk.support, count, ellipse, limits[MAX_SIZE], limits[MIN_SEMI])
-        most = limits[REACH] * (1.0 + limits[GROWTH] * ellipse[3])
+        refit_robustly(walk.gathered, count, ellipse, rules.max_semi_major, rules.min_semi_minor)
+        most = rules.reach * growth_of(ellipse, rules)
+        reach = reach_of(walk.gathered, count, ellipse, rules.reach_spread, most)
         count = collect(
-            head,
-            following,
-            points,
-            normals,
-            ellipse,
-            2.0,
-            reach_of(walk.support, count, ellipse, limits[SPREAD], most),
-            limits[MIN_COSINE],
-            polarity,
-            stamp,
-            mark + step,
-            walk,
-            chosen,
-            sums,
+            edges, ellipse, walk, STRIDE, reach, rules.min_cosine, polarity, mark + step
         )
         if count < LEAST_POINTS:
             break
-        gather_points(points, chosen, count, walk.support)
+        gather_points(edges.points, walk.chosen, count, walk.gathered)
     return count

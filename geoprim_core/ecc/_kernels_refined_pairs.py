@@ -8,6 +8,7 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core.ecc._kernels_refined_arcs import CHORD, INWARDS, MIDDLE, PLACES, POLARITY, SIZE
 from geoprim_core.ecc._kernels_refined_batch import BATCH, WORK, fit_pairs, sample_arcs
 from geoprim_core.ecc._kernels_refined_few import partners_of_few, sees
 
@@ -26,9 +27,9 @@ def length_classes(table: FloatArray) -> IntArray:
     count = 0
     longest = math.inf
     for i in range(len(table)):
-        if CLASS_RATIO * table[i, 18] < longest:
+        if CLASS_RATIO * table[i, SIZE] < longest:
             starts[count] = i
-            longest = table[i, 18]
+            longest = table[i, SIZE]
             count += 1
     starts[count] = len(table)
     return starts[: count + 1].copy()
@@ -45,8 +46,8 @@ def grid_of(
     above and the columns to the left (summed area).
     """
     count = len(table)
-    left, top = table[:, 0].min(), table[:, 1].min()
-    width, height = table[:, 0].max() - left, table[:, 1].max() - top
+    left, top = table[:, MIDDLE].min(), table[:, MIDDLE + 1].min()
+    width, height = table[:, MIDDLE].max() - left, table[:, MIDDLE + 1].max() - top
     cell = max(LEAST_CELL, CELL_ARCS * math.sqrt((width + 1.0) * (height + 1.0) / count))
     columns, rows = int(width / cell) + 1, int(height / cell) + 1
     starts = np.zeros((len(classes) - 1, rows, columns + 1), np.int64)
@@ -56,8 +57,8 @@ def grid_of(
     for c in range(len(classes) - 1):
         tally = np.zeros((rows, columns), np.int64)
         for i in range(classes[c], classes[c + 1]):
-            where[i, 0] = min(rows - 1, int((table[i, 1] - top) / cell))
-            where[i, 1] = min(columns - 1, int((table[i, 0] - left) / cell))
+            where[i, 0] = min(rows - 1, int((table[i, MIDDLE + 1] - top) / cell))
+            where[i, 1] = min(columns - 1, int((table[i, MIDDLE] - left) / cell))
             tally[where[i, 0], where[i, 1]] += 1
         total = classes[c]
         for y in range(rows):
@@ -85,9 +86,10 @@ def count_pairs(
     total = 0.0
     for own in range(len(classes) - 1):
         for i in range(classes[own], classes[own + 1]):
-            x, y = (table[i, 0] - grid[0]) / grid[2], (table[i, 1] - grid[1]) / grid[2]
+            x = (table[i, MIDDLE] - grid[0]) / grid[2]
+            y = (table[i, MIDDLE + 1] - grid[1]) / grid[2]
             for c in range(own, len(classes) - 1):
-                reach = 0.5 * (table[i, 18] + table[classes[c], 18]) / (share * grid[2])
+                reach = 0.5 * (table[i, SIZE] + table[classes[c], SIZE]) / (share * grid[2])
                 x0, x1 = max(0, int(x - reach)), min(columns, int(x + reach) + 1)
                 y0, y1 = max(0, int(y - reach)), min(rows, int(y + reach) + 1)
                 number = area[c, y1, x1] - area[c, y0, x1] - area[c, y1, x0] + area[c, y0, x0]
@@ -130,9 +132,10 @@ def row_range(
 ) -> tuple[float, float]:
     """Return the part of [low, high] on the rows [top, bottom] in an arc's search region."""
     for k in range(4):
-        nx, ny = arc[8 + 2 * k], arc[9 + 2 * k]
-        corner = 0 if k == 3 else k  # the chord starts where the arc does
-        limit = arc[2 + 2 * corner] * nx + arc[3 + 2 * corner] * ny - slack
+        normal = CHORD if k == 3 else INWARDS + 2 * k
+        nx, ny = arc[normal], arc[normal + 1]
+        place = PLACES if k == 3 else PLACES + 2 * k  # the chord starts where the arc does
+        limit = arc[place] * nx + arc[place + 1] * ny - slack
         limit -= max(ny * top, ny * bottom)
         if nx > LEVEL:
             low = max(low, limit / nx)
@@ -169,11 +172,11 @@ def find_partners(
     left, top, cell = grid[0], grid[1], grid[2]
     looked = count = 0
     for c in range(own, len(classes) - 1):
-        reach = 0.5 * (a[18] + table[classes[c], 18]) / share
-        y0 = max(0, int((a[1] - reach - top) / cell))
-        y1 = min(rows, int((a[1] + reach - top) / cell) + 1)
+        reach = 0.5 * (a[SIZE] + table[classes[c], SIZE]) / share
+        y0 = max(0, int((a[MIDDLE + 1] - reach - top) / cell))
+        y1 = min(rows, int((a[MIDDLE + 1] + reach - top) / cell) + 1)
         for y in range(y0, y1):
-            high, low = a[0] + reach, a[0] - reach
+            high, low = a[MIDDLE] + reach, a[MIDDLE] - reach
             above = top + y * cell - 1e-6
             low, high = row_range(a, slack + drift, above, above + cell + 2e-6, low, high)
             if high < low:
@@ -187,9 +190,9 @@ def find_partners(
                 if j <= i:
                     continue
                 b = table[j]
-                dx, dy = a[0] - b[0], a[1] - b[1]
-                near = 0.5 * (a[18] + b[18]) / share
-                if dx * dx + dy * dy > near * near or (signed and a[16] != b[16]):
+                dx, dy = a[MIDDLE] - b[MIDDLE], a[MIDDLE + 1] - b[MIDDLE + 1]
+                near = 0.5 * (a[SIZE] + b[SIZE]) / share
+                if dx * dx + dy * dy > near * near or (signed and a[POLARITY] != b[POLARITY]):
                     continue
                 if looked == most:
                     return count, looked
@@ -231,7 +234,8 @@ def pair_arcs(
     share, every = admitted_share(table, classes, grid, area, min_share, max_pairs)
     drift = 0.0
     for i in range(len(table)):
-        drift = max(drift, math.hypot(table[i, 4] - table[i, 0], table[i, 5] - table[i, 1]))
+        x, y = table[i, PLACES + 2] - table[i, MIDDLE], table[i, PLACES + 3] - table[i, MIDDLE + 1]
+        drift = max(drift, math.hypot(x, y))
     samples = sample_arcs(points, order, ends)
     partners = np.empty(len(table), np.int64)
     pairs = np.empty((2, BATCH), np.int64)

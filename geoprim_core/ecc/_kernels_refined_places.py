@@ -5,12 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
-from geoprim_core._check import FloatArray
+from geoprim_core._check import FloatArray, Int32Array
 from geoprim_core._jit import inner_kernel, kernel
-
-Int32Array = npt.NDArray[np.int32]
 
 SKETCH = 18  # places of a quarter that serve a first look
 SKETCHES = 64  # as many ratios of the semi-axes

@@ -158,10 +158,7 @@ def cross_check(edges: EdgePoints, verified: Verified, params: RefinedParams) ->
         return verified
     figures = _thirds.doubt_predictions(
         edges.points,
-        verified.ellipses,
-        verified.figures,
-        verified.offsets,
-        verified.support,
+        verified.supported,
         params.reach_growth,
         params.prediction_weight,
         SCORE_MAP.evidence_of(params.min_score),
@@ -207,14 +204,8 @@ def _choose(
 ) -> Selection:
     """Return what is selected of the ellipses with at least some score."""
     chosen, outcome, claimed = _select.select(
-        edges.head,
-        edges.following,
-        edges.points,
-        edges.normals,
-        verified.ellipses,
-        verified.figures,
-        verified.offsets,
-        verified.support,
+        edges.index,
+        verified.supported,
         SCORE_MAP.evidence_of(min_score),
         params.claim_reach,
         params.min_unclaimed,
@@ -252,11 +243,9 @@ def refit_chosen(
         edges.points,
         arcs.indices,
         arcs.offsets,
-        verified.ellipses,
-        verified.offsets,
-        verified.support,
+        verified.supported,
         selection.chosen,
-        SCORE_MAP.probability(verified.figures[selection.chosen, 0]),
+        verified.score[selection.chosen],
         params.max_size * edges.diagonal,
         params.min_semi_minor,
         max(edges.spread, edges.line_spread) if params.undo_blur else 0.0,

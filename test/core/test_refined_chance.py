@@ -59,7 +59,7 @@ def test_the_shift_is_the_same_for_all_that_is_made_of_pieces():
     trace = trace_refined(extract_contours(picture))
     figures = trace.verified.figures.copy()
     figures[:, 1] = refined_candidates.SOUND[0]
-    pieces = replace(trace.verified, figures=figures)
+    pieces = trace.verified.weighed(figures)
     none = np.zeros(len(trace.edges.points), bool)
     after = allow_for_chance(trace.edges, trace.arcs, pieces, none, RefinedParams())
     shift = figures[:, 0] - after.figures[:, 0]
