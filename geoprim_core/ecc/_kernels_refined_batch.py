@@ -16,12 +16,15 @@ from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel, summing_kernel
 from geoprim_core.ecc._kernels_refined_arcs import INWARDS, MIDDLE, SIZE
 from geoprim_core.ecc._kernels_refined_conic import axes_of_conic, direct_conic, ellipse_of_conic
+from geoprim_core.ecc._kernels_refined_few import PairRules
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
 SAMPLES = 12  # points of an arc that an ellipse is measured by
 BATCH = 64  # pairs that are fitted together
 ALONG = 0.9  # cosine between the inner normals of an arc and of an ellipse that it may lie on
 TINY = 1e-300
+LEAST_SEMI_MINOR = 2.0  # pixels
+LEAST_RMS = 0.15  # pixels, below which a closer fit is hardly a better one
 FIRST = cast(int, np.int64(0))  # typed: numba may compile a kernel anew for a literal number
 
 # Where rows of `BATCH` numbers begin: moments of either arc ([5 p + q] as in `add_point`), from the
@@ -139,7 +142,7 @@ def refuse_lengths(
     for k in range(size):
         major, minor = work[MAJOR + k], work[MINOR + k]
         whole = math.pi * (major + minor)  # or longer
-        good = (major <= max_size) & (minor >= 2.0) & (min_share * whole <= lengths[k])
+        good = (major <= max_size) & (minor >= LEAST_SEMI_MINOR) & (min_share * whole <= lengths[k])
         work[GOOD + k] = 1.0 if good else 0.0
 
 
@@ -195,27 +198,26 @@ def fit_pairs(
     samples: FloatArray,
     table: FloatArray,
     moments: FloatArray,
-    first: IntArray,
-    second: IntArray,
+    pairs: IntArray,
     size: int,
-    max_rms: float,
-    max_size: float,
-    min_share: float,
+    rules: PairRules,
     work: FloatArray,
     arcs: IntArray,
     values: FloatArray,
 ) -> int:
-    """Fit an ellipse to each of at most `BATCH` pairs of arcs, or to one arc (the second is -1).
+    """Fit an ellipse to each of the first `size` columns of `pairs` (2, BATCH).
 
-    Writes the arcs, and the rank and ellipse, of those that lie within `max_rms` of it each, and
-    make up a share `min_share` of it together; returns how many these are.
+    They are two arcs, or one where the second is -1. Writes the arcs, and the rank and ellipse, of
+    those that lie near enough to it and make up enough of it; returns how many these are.
     """
+    first, second = pairs[0], pairs[1]
+    min_share, most = rules.min_share, rules.max_rms * rules.max_rms
     lengths = np.empty(BATCH)
     for k in range(size):
         lengths[k] = table[first[k], SIZE] + (table[second[k], SIZE] if second[k] >= 0 else 0.0)
     add_pairs(table, moments, first, second, size, work)
     fit_conics(size, work)
-    refuse_lengths(lengths, size, max_size, min_share, work)
+    refuse_lengths(lengths, size, rules.max_semi_major, min_share, work)
     refuse_normals(samples, table, first, size, work)
     refuse_normals(samples, table, second, size, work)
     found = FIRST
@@ -226,7 +228,7 @@ def fit_pairs(
             if work[GOOD + k] > 0.0 and i >= 0:
                 count = min(SAMPLES, int(table[i, SIZE]))
                 worst = max(worst, mean_square(samples, i, count, work, k))
-                work[GOOD + k] = 1.0 if worst < max_rms * max_rms else 0.0
+                work[GOOD + k] = 1.0 if worst < most else 0.0
         if not work[GOOD + k] > 0.0:
             continue
         major, minor = work[MAJOR + k], work[MINOR + k]
@@ -234,7 +236,7 @@ def fit_pairs(
         if lengths[k] < min_share * longest and lengths[k] < min_share * perimeter_of(major, minor):
             continue
         arcs[found, 0], arcs[found, 1] = first[k], second[k]
-        values[found, 0] = lengths[k] / (0.15 + math.sqrt(worst))
+        values[found, 0] = lengths[k] / (LEAST_RMS + math.sqrt(worst))
         write_ellipse(work, k, values, found)
         found += 1
     return found

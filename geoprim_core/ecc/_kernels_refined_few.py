@@ -2,11 +2,39 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from geoprim_core._check import FloatArray, Int8Array, IntArray
 from geoprim_core._jit import inner_kernel
 from geoprim_core.ecc._kernels_refined_arcs import CHORD, INWARDS, MIDDLE, PLACES, POLARITY, SIZE
+
+
+class PairRules(NamedTuple):
+    """Which arcs make a candidate, see `RefinedParams`; lengths are in pixels.
+
+    Attributes
+    ----------
+    slack : float
+        How far an arc may reach out of the search region of another.
+    max_rms : float
+        Of either arc to the common ellipse.
+    min_share : float
+        Share of the outline that the arcs make up.
+    max_semi_major : float
+    signed : bool
+        Whether both arcs have to have one polarity.
+    max_pairs : int
+        As many are looked at.
+    """
+
+    slack: float
+    max_rms: float
+    min_share: float
+    max_semi_major: float
+    signed: bool
+    max_pairs: int
 
 
 @inner_kernel
@@ -31,13 +59,14 @@ def sees(a: FloatArray, b: FloatArray, slack: float) -> bool:
 
 @inner_kernel
 def mark_seen(
-    columns: FloatArray, i: int, share: float, slack: float, signed: bool, marks: Int8Array
+    columns: FloatArray, i: int, share: float, rules: PairRules, marks: Int8Array
 ) -> None:
     """Mark the arcs after arc i that are near enough with 1, those of them that it `sees` with 2.
 
     `columns` is the table of arcs, a row a figure. No branches: vector instructions.
     """
     own = columns[:, i]
+    slack, signed = rules.slack, rules.signed
     x, y, size, polarity = own[MIDDLE], own[MIDDLE + 1], own[SIZE], own[POLARITY]
     x1, y1, u1, v1 = own[PLACES], own[PLACES + 1], own[INWARDS], own[INWARDS + 1]
     x2, y2, u2, v2 = own[PLACES + 2], own[PLACES + 3], own[INWARDS + 2], own[INWARDS + 3]
@@ -68,14 +97,13 @@ def partners_of_few(
     columns: FloatArray,
     i: int,
     share: float,
-    slack: float,
-    signed: bool,
+    rules: PairRules,
     marks: Int8Array,
     partners: IntArray,
 ) -> tuple[int, int]:
     """Do what `find_partners` does, without cells: of few arcs a cell holds next to none."""
     rest = marks[i + 1 :]
-    mark_seen(columns, i, share, slack, signed, rest)
+    mark_seen(columns, i, share, rules, rest)
     seen = np.uint64(0)
     looked = 0
     for k in range(len(rest)):
@@ -86,5 +114,5 @@ def partners_of_few(
     for k in range(seen):
         j = partners[k]
         partners[count] = j
-        count += sees(table[j], table[i], slack)
+        count += sees(table[j], table[i], rules.slack)
     return count, looked

@@ -23,12 +23,14 @@ from geoprim_core.ecc._kernels_refined_points import EdgeIndex
 from geoprim_core.ecc._kernels_refined_refit import (
     FAR,
     MAD,
+    REFIT_STEPS,
     TUKEY,
     X,
     Y,
     gather_points,
     measure_points,
     refit,
+    refit_within,
 )
 from geoprim_core.ecc._kernels_refined_support import Weights, hopeless
 from geoprim_core.fitting._kernels_shape import perimeter_of
@@ -232,7 +234,7 @@ def improve(
         if step == 0:
             good = fit_chosen(walk.gathered, count, ellipse)
         elif step == 1:
-            good = refit(walk.gathered, count, ellipse, 2, REFIT_WIDTH * reach)
+            good = refit(walk.gathered, count, ellipse, REFIT_STEPS, REFIT_WIDTH * reach)
             good = good and not near_copy(known, found, ellipse)
         if not good or ellipse[3] < rules.min_semi_minor or ellipse[2] > rules.max_semi_major:
             return 0
@@ -259,7 +261,7 @@ def median_offset(near: FloatArray, count: int, ellipse: FloatArray, tally: IntA
 
 @kernel
 def refit_robustly(
-    near: FloatArray, count: int, ellipse: FloatArray, max_size: float, min_size: float
+    near: FloatArray, count: int, ellipse: FloatArray, max_major: float, min_minor: float
 ) -> float:
     """Refit an ellipse in place with weights from the median distance; return their width.
 
@@ -267,20 +269,11 @@ def refit_robustly(
     ellipse by less than `SETTLED` is the last too.
     """
     tally = np.empty(MEDIAN_BINS + 1, np.int64)
-    row = ellipse.copy()
     width = 0.0
     for _ in range(ROUNDS):
-        median = median_offset(near, count, row, tally)
+        median = median_offset(near, count, ellipse, tally)
         width = max(LEAST_WIDTH, TUKEY * MAD * median)
-        if not refit(near, count, row, 2, width):
-            break
-        if row[2] > max_size or row[3] < min_size:
-            break
-        moved = 0.0
-        for k in range(4):
-            moved = max(moved, abs(row[k] - ellipse[k]))
-        ellipse[:] = row
-        if moved < SETTLED:
+        if refit_within(near, count, ellipse, width, max_major, min_minor) < SETTLED:
             break
     return width
 

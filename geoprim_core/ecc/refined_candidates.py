@@ -13,6 +13,7 @@ from geoprim_core.ecc import _kernels_refined_pairs as _pairs
 from geoprim_core.ecc import _kernels_refined_verify as _verify
 from geoprim_core.ecc import _kernels_refined_votes as _votes
 from geoprim_core.ecc._kernels_refined_arcs import POLARITY
+from geoprim_core.ecc._kernels_refined_few import PairRules
 from geoprim_core.ecc._kernels_refined_improve import Rules
 from geoprim_core.ecc._kernels_refined_order import best_first
 from geoprim_core.ecc._kernels_refined_support import (
@@ -138,18 +139,16 @@ def pair_arcs(edges: EdgePoints, arcs: SmoothArcs, params: RefinedParams) -> Can
     Thesis 5.4.1 (search region), 5.4.2 (associated convexity); Halir and Flusser, Numerically
     stable direct least squares fitting of ellipses (1998).
     """
+    rules = PairRules(
+        slack=params.region_slack,
+        max_rms=params.max_pair_rms,
+        min_share=params.min_pair_share,
+        max_semi_major=params.max_size * edges.diagonal,
+        signed=edges.signed and params.same_polarity,
+        max_pairs=params.max_pairs,
+    )
     members, values, looked, possible, share = _pairs.pair_arcs(
-        edges.points,
-        arcs.indices,
-        arcs.offsets,
-        arcs.table,
-        arcs.moments,
-        params.region_slack,
-        params.max_pair_rms,
-        params.min_pair_share,
-        params.max_size * edges.diagonal,
-        edges.signed and params.same_polarity,
-        params.max_pairs,
+        edges.points, arcs.indices, arcs.offsets, arcs.table, arcs.moments, rules
     )
     complete = share <= params.min_pair_share
     return Candidates(*best_first(members, values), int(looked), int(possible), share, complete)
