@@ -14,6 +14,7 @@ from geoprim_core.ecc._kernels_refined_outline import (
     COVERED,
     IN_FRAME,
     STEPS,
+    Band,
     Walk,
     add_support,
     collect,
@@ -163,9 +164,14 @@ def near_copy(ellipses: FloatArray, count: int, ellipse: FloatArray) -> bool:
 
 @inner_kernel
 def look_at(
-    edges: EdgeIndex, ellipse: FloatArray, walk: Walk, stride: float, reach: float, rules: Rules,
-    polarity: int, mark: int, glance: bool,
-) -> int:  # fmt: skip
+    edges: EdgeIndex,
+    ellipse: FloatArray,
+    walk: Walk,
+    stride: float,
+    band: Band,
+    rules: Rules,
+    glance: bool,
+) -> int:
     """Collect the support at few places of an outline, `stride` pixels apart, enough for a fit.
 
     To `glance` is to look at a quarter and at half of them first, and to return 0 where these
@@ -177,9 +183,7 @@ def look_at(
     sketch_of(ellipse[2], ellipse[3], walk.places)
     for k in range(len(GLANCES)):
         end = GLANCES[k]
-        count = add_support(
-            edges, ellipse, walk, start, end, reach, rules.min_cosine, polarity, mark, count
-        )
+        count = add_support(edges, ellipse, walk, start, end, band, count)
         if glance and end < SKETCH:
             fewest = LEAST_POINTS * end // (2 * SKETCH)
             each = stride * SKETCH / end
@@ -210,16 +214,13 @@ def improve(
         reach = rules.reach * REACHES[step] * growth
         if step > 0:
             reach = reach_of(walk.gathered, count, ellipse, rules.reach_spread, reach)
+        band = Band(reach, rules.min_cosine, polarity, mark + step)
         stride = perimeter_of(ellipse[2], ellipse[3]) / (4.0 * SKETCH)
         if step < 2 and stride > STRIDE:
-            count = look_at(
-                edges, ellipse, walk, stride, reach, rules, polarity, mark + step, step == 0
-            )
+            count = look_at(edges, ellipse, walk, stride, band, rules, step == 0)
         else:
             stride = STRIDE
-            count = collect(
-                edges, ellipse, walk, stride, reach, rules.min_cosine, polarity, mark + step
-            )
+            count = collect(edges, ellipse, walk, stride, band)
         least = rules.min_coverage * (1.0 if step == 2 else EARLY_COVERAGE)
         if count < LEAST_POINTS or sums[COVERED] < least * sums[IN_FRAME]:
             return 0
@@ -288,9 +289,8 @@ def polish_support(
         refit_robustly(walk.gathered, count, ellipse, rules.max_semi_major, rules.min_semi_minor)
         most = rules.reach * growth_of(ellipse, rules)
         reach = reach_of(walk.gathered, count, ellipse, rules.reach_spread, most)
-        count = collect(
-            edges, ellipse, walk, STRIDE, reach, rules.min_cosine, polarity, mark + step
-        )
+        band = Band(reach, rules.min_cosine, polarity, mark + step)
+        count = collect(edges, ellipse, walk, STRIDE, band)
         if count < LEAST_POINTS:
             break
         gather_points(edges.points, walk.chosen, count, walk.gathered)

@@ -78,6 +78,27 @@ class Walk(NamedTuple):
     gathered: FloatArray
 
 
+class Band(NamedTuple):
+    """Which edge points support an ellipse on one walk along its outline.
+
+    Attributes
+    ----------
+    reach : float
+        How far they lie at most, in pixels.
+    min_cosine : float
+        Least cosine of the angle between gradient and normal.
+    polarity : int
+        1 where the gradient has to point inwards, -1 outwards, 0 where either will do.
+    mark : int
+        A number that no other walk has, and none that is its negative.
+    """
+
+    reach: float
+    min_cosine: float
+    polarity: int
+    mark: int
+
+
 @kernel
 def pixels_near(head: Int32Array) -> BoolArray:
     """Return, for every pixel, whether one of the nine around it holds an edge point."""
@@ -190,9 +211,8 @@ def pick_new(walk: Walk, mark: int, size: int) -> int:
 
 @inlined_kernel
 def weigh(
-    edges: EdgeIndex, walk: Walk, size: int, ellipse: FloatArray, cos: float, sin: float,
-    reach: float, min_cosine: float, polarity: int,
-) -> int:  # fmt: skip
+    edges: EdgeIndex, walk: Walk, size: int, ellipse: FloatArray, cos: float, sin: float, band: Band
+) -> int:
     """Tell of the fresh points which support an ellipse; return how many cross its outline.
 
     Writes for those that support it the square of the distance over the position, and that of the
@@ -211,9 +231,9 @@ def weigh(
     for k in range(size):
         d, nx, ny = offset_at(dx[k], dy[k], cos, sin, flat, steep)
         dot = -(nx * across_x[k] + ny * across_y[k])
-        right = (polarity == 0) | (dot * polarity > 0.0)
+        right = (band.polarity == 0) | (dot * band.polarity > 0.0)
         across = abs(dot) < ACROSS
-        good = (abs(dot) >= min_cosine) & right & (abs(d) <= reach) & (not across)
+        good = (abs(dot) >= band.min_cosine) & right & (abs(d) <= band.reach) & (not across)
         dx[k] = d * d if good else 0.0
         # Rounding can make an exact normal longer than one: no root of that below.
         dy[k] = max(0.0, 1.0 - dot * dot) if good else 0.0
@@ -225,18 +245,19 @@ def weigh(
 @inlined_kernel
 def judge_points(
     edges: EdgeIndex, walk: Walk, size: int, ellipse: FloatArray, cos: float, sin: float,
-    reach: float, min_cosine: float, polarity: int, mark: int, count: int,
+    band: Band, count: int,
 ) -> int:  # fmt: skip
     """Put those of the points noted that support the ellipse to `walk.chosen`; return their number.
 
     Marks the places that they are around as covered. The points of a pixel are judged one after
     the other: those that come first of all pixels, then those that follow them.
     """
+    mark = band.mark
     squares = turned_sum = 0.0
     crossing = 0
     while size > 0:
         fresh = pick_new(walk, mark, size)
-        crossing += weigh(edges, walk, fresh, ellipse, cos, sin, reach, min_cosine, polarity)
+        crossing += weigh(edges, walk, fresh, ellipse, cos, sin, band)
         for k in range(fresh):
             p, good = walk.fresh[k], walk.along[k]
             walk.stamp[np.uint64(p)] = mark if good else -mark
@@ -260,9 +281,14 @@ def judge_points(
 
 @inner_kernel
 def add_support(
-    edges: EdgeIndex, ellipse: FloatArray, walk: Walk, start: int, end: int, reach: float,
-    min_cosine: float, polarity: int, mark: int, count: int,
-) -> int:  # fmt: skip
+    edges: EdgeIndex,
+    ellipse: FloatArray,
+    walk: Walk,
+    start: int,
+    end: int,
+    band: Band,
+    count: int,
+) -> int:
     """Collect the edge points that support an ellipse: near its outline and along its normal.
 
     They are looked for in the nine pixels around each of the places start .. end - 1 of all
@@ -280,9 +306,7 @@ def add_support(
         for k in range(noted):
             corner = np.int64(walk.windows[0, k]) - width - 1
             size = look(flat, corner, width, walk.windows[1, k], walk.seen, size)
-        count = judge_points(
-            edges, walk, size, ellipse, cos, sin, reach, min_cosine, polarity, mark, count
-        )
+        count = judge_points(edges, walk, size, ellipse, cos, sin, band, count)
         covered = 0
         turn = 0.0
         for k in range(first, last):
@@ -297,14 +321,8 @@ def add_support(
 
 
 @inner_kernel
-def collect(
-    edges: EdgeIndex, ellipse: FloatArray, walk: Walk, stride: float, reach: float,
-    min_cosine: float, polarity: int, mark: int,
-) -> int:  # fmt: skip
-    """Collect the support along a whole outline, at places about `stride` pixels apart.
-
-    Each walk has a `mark` of its own.
-    """
+def collect(edges: EdgeIndex, ellipse: FloatArray, walk: Walk, stride: float, band: Band) -> int:
+    """Collect the support along a whole outline, at places about `stride` pixels apart."""
     walk.sums[:] = 0.0
     end = quarter_of(ellipse[2], ellipse[3], stride, walk.places)
-    return add_support(edges, ellipse, walk, FIRST, end, reach, min_cosine, polarity, mark, FIRST)
+    return add_support(edges, ellipse, walk, FIRST, end, band, FIRST)

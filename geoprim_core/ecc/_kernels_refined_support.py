@@ -30,6 +30,16 @@ FEW_PIXELS = (40.0, 60.0)  # lengths of an outline in pixels up to which it is s
 SLANTED = (0.05, 0.1)  # radians between gradients and normals from which they disagree, and fully
 ROUND = (0.9, 0.95)  # ratio of the axes from which an outline is round, a little and fully
 
+# Weights of the evidence: of a logistic regression.
+SUPPORT_WEIGHT = 3.7  # of the logarithm of the aligned length
+SCATTER_WEIGHT = 16.0  # of the scatter in pixels, over the unsupported rest of the outline
+OUTSIDE_WEIGHT = 30.0  # of the share beyond the image, over that rest
+GOING_ON_WEIGHT, UNEXPLAINED_WEIGHT = 11.5, 7.0  # of both kinds of ends, over that rest
+CLUTTER_WEIGHT = 8.0  # of the points across for each along, over that rest
+NO_SUPPORT = -17.7  # evidence of nothing
+LEAST_RMS, LEAST_SLANT = 0.05, 0.03  # pixels, radians: closer alignment is hardly better
+LEAST_ALIGNED = 0.1  # that each pixel counts, however badly aligned
+
 # Columns of the figures of an ellipse, see `Supported`.
 EVIDENCE, COVERAGE, TURN_COVERAGE, RMS, ACROSS_EACH, LENGTH, GOING_ON, UNEXPLAINED = range(8)
 FIGURES = 8
@@ -112,19 +122,18 @@ def evidence_of(
     gap in an outline that is as good as whole no sign against it: how much comes in `weights`.
     Blobs that close by chance have axes of any `ratio`, hardly one near 1: of the scatter of an
     outline that is whole and round another share is no misfit.
-    What is extrapolated from scattered points is as doubtful whatever scatters them. The other
-    weights, here and below, are those of a logistic regression.
+    What is extrapolated from scattered points is as doubtful whatever scatters them.
     """
-    aligned = math.log(2.0 / (rms + 0.05)) - math.log(slant + 0.03)
+    aligned = math.log(2.0 / (rms + LEAST_RMS)) - math.log(slant + LEAST_SLANT)
     misfit = math.sqrt(max(0.0, rms * rms - weights.noise_scatter**2))
     whole = rising(share + weights.noise_gaps, NEARLY_WHOLE[0], NEARLY_WHOLE[1])
     misfit *= 1.0 - weights.round_scatter * whole * rising(ratio, ROUND[0], ROUND[1])
-    extrapolated = 16.0 * rms / growth + 30.0 * outside
+    extrapolated = SCATTER_WEIGHT * rms / growth + OUTSIDE_WEIGHT * outside
     doubt = (1.0 - share) * extrapolated + UNEVEN * misfit / semi_minor
     whole *= rising(semi_minor, ROUND_BY_CHANCE[0], ROUND_BY_CHANCE[1])
     whole *= rising(-misfit / semi_minor, -EVEN[0], -EVEN[1])
-    support = 3.7 * math.log(1.0 + length * max(aligned, 0.1))
-    return float(support + weights.whole * whole - doubt - 17.7)
+    support = SUPPORT_WEIGHT * math.log(1.0 + length * max(aligned, LEAST_ALIGNED))
+    return float(support + weights.whole * whole - doubt + NO_SUPPORT)
 
 
 @kernel
@@ -133,7 +142,7 @@ def doubt_of_ends(share: float, continuing: float, unexplained: float) -> float:
 
     It counts in proportion to the unsupported rest, as in `evidence_of`.
     """
-    return (1.0 - share) * (11.5 * continuing + 7.0 * unexplained)
+    return (1.0 - share) * (GOING_ON_WEIGHT * continuing + UNEXPLAINED_WEIGHT * unexplained)
 
 
 @kernel
@@ -142,7 +151,7 @@ def doubt_of_clutter(share: float, across: float) -> float:
 
     Mild: it is not known yet which of them belong to other ellipses.
     """
-    return 8.0 * (1.0 - share) * across
+    return CLUTTER_WEIGHT * (1.0 - share) * across
 
 
 @kernel

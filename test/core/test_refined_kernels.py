@@ -326,7 +326,7 @@ def collected(points, normals, ellipse, stride=2.0, min_cos=0.96):
     """
     edges = index_points(points, normals, 120, 100)
     walk = outline.new_walk(edges, 100.0)
-    count = outline.collect(edges, ellipse, walk, stride, 2.0, min_cos, 0, 1)
+    count = outline.collect(edges, ellipse, walk, stride, outline.Band(2.0, min_cos, 0, 1))
     gaps = ends.unexplained_share(edges, ellipse, walk)
     return walk.chosen[:count], walk.sums, gaps
 
