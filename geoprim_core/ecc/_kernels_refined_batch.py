@@ -1,4 +1,4 @@
-"""Kernels of step 2 of the `refined` scheme: one ellipse for each of many pairs of arcs.
+"""Kernels of the `refined` scheme, pairs: one ellipse for each of many pairs of arcs.
 
 Pairs are fitted in batches, each quantity in a row of its own and without branches: the bodies of
 the loops then compile to vector instructions. All rows lie in one flat array, at places that are

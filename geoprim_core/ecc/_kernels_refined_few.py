@@ -1,4 +1,4 @@
-"""Kernels of step 2 of the `refined` scheme: which arcs lie in the search regions of others."""
+"""Kernels of the `refined` scheme, pairs: which arcs lie in the search regions of others."""
 
 from __future__ import annotations
 

@@ -41,6 +41,7 @@ BINS = 24  # of the distances that matter
 MEDIAN_SCALE = 256.0  # bins a pixel of a median distance
 MEDIAN_BINS = 1024
 POLISHES = 2
+COPY = 1.0  # pixels between the parameters of ellipses that are the same
 ROUNDS = 3  # of the robust refit at most
 SETTLED = 0.001  # pixels, by which a settled ellipse moves in a round
 LEAST_WIDTH = 0.5  # pixels, of the weights of the robust refit
@@ -148,16 +149,16 @@ def reach_of(
 
 @inner_kernel
 def near_copy(ellipses: FloatArray, count: int, ellipse: FloatArray) -> bool:
-    """Tell whether an ellipse is within a pixel of one of the first `count`."""
+    """Tell whether an ellipse is within `COPY` of one of the first `count`."""
     for k in range(count):
         other = ellipses[k]
-        if abs(other[0] - ellipse[0]) > 1.0 or abs(other[1] - ellipse[1]) > 1.0:
+        if abs(other[0] - ellipse[0]) > COPY or abs(other[1] - ellipse[1]) > COPY:
             continue
-        if abs(other[2] - ellipse[2]) > 1.0 or abs(other[3] - ellipse[3]) > 1.0:
+        if abs(other[2] - ellipse[2]) > COPY or abs(other[3] - ellipse[3]) > COPY:
             continue
         turn = abs(other[4] - ellipse[4])
         turn = min(turn, math.pi - turn)
-        if turn * (ellipse[2] - ellipse[3]) < 1.0:
+        if turn * (ellipse[2] - ellipse[3]) < COPY:
             return True
     return False
 

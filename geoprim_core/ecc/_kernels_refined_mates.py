@@ -1,4 +1,4 @@
-"""Kernels of step 4 of the `refined` scheme: the opposite edge beside each edge, its mate."""
+"""Kernels of the `refined` scheme, strokes: the opposite edge beside each edge, its mate."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, Int32Array, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_second_look import MateSearch, complete_mates
+from geoprim_core.ecc._kernels_refined_second_look import OPPOSITE, MateSearch, complete_mates
 
 WORTHWHILE = 0.5  # share of the mates that a line needs from which more are looked for
 END = 6  # points at the end of a line of which only one edge may be seen
 DOUBTED = 3.0  # points without a mate that open contours are given: short ones have mates by chance
 BLOCK = 64  # points that mates are looked for together, at most
+NEAREST = 0.5  # pixels between mates, at least
 BIN = 0.25  # pixels, of the tally of distances
 LONG = 30.0  # points of a contour; on shorter ones noise decides
 LONG_SHARE = 0.5  # or that share of the longest: of small circles all contours are short
@@ -98,7 +99,7 @@ def write_gaps(search: MateSearch, first: int, last: int, room: MateRoom, gaps: 
             dot = normals[at, 0] * nx + normals[at, 1] * ny
             low, high = heights[at], heights[first + k]
             even = (low >= evenness * high) & (high >= evenness * low)
-            nearer = even & (dot < -0.9) & (along > 0.5) & (along < nearest[k])
+            nearer = even & (dot < OPPOSITE) & (along > NEAREST) & (along < nearest[k])
             nearest[k] = along if nearer else nearest[k]
             p = following[at]
     for k in range(last - first):

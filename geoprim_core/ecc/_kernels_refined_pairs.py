@@ -1,4 +1,4 @@
-"""Kernels of step 2 of the `refined` scheme: candidates from single arcs and pairs of arcs."""
+"""Kernels of the `refined` scheme, pairs: candidates from single arcs and pairs of arcs."""
 
 from __future__ import annotations
 

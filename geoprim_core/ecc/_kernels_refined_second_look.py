@@ -1,4 +1,4 @@
-"""Kernels of step 4 of the `refined` scheme: mates of edges that a normal passes by."""
+"""Kernels of the `refined` scheme, strokes: mates of edges that a normal passes by."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from geoprim_core._check import FloatArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc._kernels_refined_points import EdgeIndex
 
+OPPOSITE = -0.9  # cosine of the angle between the normals of mates, at most
 LIKE_NEIGHBOUR = 0.75  # pixels between the distances to the mates of two neighbours
 
 
@@ -53,7 +54,12 @@ def mate_near(
                 dot = normals[p, 0] * nx + normals[p, 1] * ny
                 low, high = min(heights[p], heights[k]), max(heights[p], heights[k])
                 even = low >= evenness * high
-                if even and dot < -0.9 and abs(along - gap) < nearest and abs(along) < search.reach:
+                if (
+                    even
+                    and dot < OPPOSITE
+                    and abs(along - gap) < nearest
+                    and abs(along) < search.reach
+                ):
                     found, nearest = along, abs(along - gap)
                 p = following[p]
     return found

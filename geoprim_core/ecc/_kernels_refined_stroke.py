@@ -1,4 +1,4 @@
-"""Kernels of step 4 of the `refined` scheme: the two edges of one drawn line."""
+"""Kernels of the `refined` scheme, strokes: the two edges of one drawn line."""
 
 from __future__ import annotations
 

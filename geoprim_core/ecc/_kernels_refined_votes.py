@@ -17,6 +17,8 @@ FACING = 0.64  # least square of the cosine between the normal of a point and it
 APART = 3.0  # pixels between the radii of two circles around one centre
 BANDS = (2.0, 1.5)  # pixels either side of the circle that the points of two fits are in
 LEAST_SHARE = 0.45  # points for each pixel of the outline
+LEAST_POINTS = 6.0  # that a circle is fitted to
+ALONG_LINE = 1e-3  # of the squared spread of points, below which they lie along a line
 ROOM = 1024  # points around a centre
 CIRCLES = 2  # around one centre, as in a target
 
@@ -160,13 +162,13 @@ def fit_circle(points: FloatArray, near: IntArray, circle: FloatArray, band: flo
         if low <= z <= high:
             n, mu, mv = n + 1.0, mu + u, mv + v
             uu, uv, vv, uz, vz = uu + u * u, uv + u * v, vv + v * v, uz + u * z, vz + v * z
-    if n < 6.0:
+    if n < LEAST_POINTS:
         return 0
     mu, mv, mz = mu / n, mv / n, (uu + vv) / n
     uu, uv, vv = uu / n - mu * mu, uv / n - mu * mv, vv / n - mv * mv
     uz, vz = uz / n - mu * mz, vz / n - mv * mz
     det = uu * vv - uv * uv
-    if det <= 1e-3 * (uu + vv) ** 2:  # the points lie along a line
+    if det <= ALONG_LINE * (uu + vv) ** 2:
         return 0
     a, b = 0.5 * (uz * vv - vz * uv) / det, 0.5 * (vz * uu - uz * uv) / det
     circle[0], circle[1] = circle[0] + a, circle[1] + b

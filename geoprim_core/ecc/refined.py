@@ -119,6 +119,11 @@ def trace_refined(
 ) -> RefinedTrace:
     """Detect ellipses by the `refined` scheme and keep every intermediate result.
 
+    Parameters
+    ----------
+    contours, polygons, params
+        As `detect_refined` takes them.
+
     Raises
     ------
     InputError

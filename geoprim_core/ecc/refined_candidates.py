@@ -262,7 +262,7 @@ def allow_for_chance(
     """
     if not (params.chance_weight > 0.0 and len(arcs.indices)):
         return verified
-    share = 1.0 - float(np.mean(explained[arcs.indices]))
+    share = 1.0 - np.count_nonzero(explained[arcs.indices]) / len(arcs.indices)
     figures = verified.figures.copy()
     whole = _rising(np.minimum(figures[:, COVERAGE], figures[:, TURN_COVERAGE]), SOUND)
     whole *= max(0.0, 1.0 - edges.noisiness)
@@ -274,8 +274,9 @@ def allow_for_chance(
 
 def _rising(value: FloatArray, limits: tuple[float, float]) -> FloatArray:
     """Return 0 up to the first limit, 1 from the second, and on a line in between."""
-    result: FloatArray = np.clip((value - limits[0]) / (limits[1] - limits[0]), 0.0, 1.0)
-    return result
+    # On a few numbers np.clip takes three times as long.
+    share: FloatArray = (value - limits[0]) / (limits[1] - limits[0])
+    return np.minimum(np.maximum(share, 0.0), 1.0)
 
 
 def what_was_left_out(candidates: Candidates, verified: Verified, params: RefinedParams) -> str:
