@@ -13,6 +13,7 @@ from geoprim_core.ecc._kernels_refined_refit import solve5
 
 ANGLE_PRIOR = 12.0 / math.pi**2  # inverse variance of an angle of which nothing is known
 ANGLE_HOLD = 1e-6  # of the weight of the centre, that holds an angle which nothing determines
+LEAST_SLOPE = 0.3  # mean derivative of the weighted distances, however many points are far
 LEAST_NOISE = 1e-10  # square pixels: exact points have none
 
 # The noise of the distances at low frequencies along the outline, see `noise_of`.
@@ -140,7 +141,7 @@ def covariance_of(
         shift = 0.5 / radius_at(nu, nv, a, b)
         for i in range(5):
             bent[i] += row[i] * shift
-    distances /= max(LEAST_FREE, slope / count)
+    distances /= max(LEAST_SLOPE, slope / count)
     normal = rows.T @ rows
     scale = normal[0, 0] + normal[1, 1]
     # An angle that nothing determines must not make the normal matrix singular.

@@ -53,13 +53,8 @@ def mate_near(
                 along = (points[p, 0] - x) * nx + (points[p, 1] - y) * ny
                 dot = normals[p, 0] * nx + normals[p, 1] * ny
                 low, high = min(heights[p], heights[k]), max(heights[p], heights[k])
-                even = low >= evenness * high
-                if (
-                    even
-                    and dot < OPPOSITE
-                    and abs(along - gap) < nearest
-                    and abs(along) < search.reach
-                ):
+                mate = low >= evenness * high and dot < OPPOSITE and abs(along) < search.reach
+                if mate and abs(along - gap) < nearest:
                     found, nearest = along, abs(along - gap)
                 p = following[p]
     return found

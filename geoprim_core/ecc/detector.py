@@ -157,8 +157,8 @@ def find_polygons(contours: Contours, params: DetectorParams) -> Polygons:
 
     Examples
     --------
-    >>> square = [(x, 0) for x in range(9)] + [(8, y) for y in range(1, 9)]
-    >>> find_polygons(Contours(square, [0, 17], [False]), DetectorParams()).indices.tolist()
+    >>> corner = [(x, 0) for x in range(9)] + [(8, y) for y in range(1, 9)]
+    >>> find_polygons(Contours(corner, [0, 17], [False]), DetectorParams()).indices.tolist()
     [0, 8, 16]
     """
     method = params.polygon_method
