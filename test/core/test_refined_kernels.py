@@ -7,21 +7,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geoprim_core.ecc import _kernels_refined_arcs as arcs
-from geoprim_core.ecc import _kernels_refined_clutter as clutter
-from geoprim_core.ecc import _kernels_refined_conic as conic
-from geoprim_core.ecc import _kernels_refined_ends as ends
-from geoprim_core.ecc import _kernels_refined_final as final
-from geoprim_core.ecc import _kernels_refined_fit as fit
-from geoprim_core.ecc import _kernels_refined_mates as mates
-from geoprim_core.ecc import _kernels_refined_order as order
-from geoprim_core.ecc import _kernels_refined_outline as outline
-from geoprim_core.ecc import _kernels_refined_places as places_of
-from geoprim_core.ecc import _kernels_refined_refit as refit
-from geoprim_core.ecc import _kernels_refined_second_look as second_look
-from geoprim_core.ecc import _kernels_refined_stroke as stroke
-from geoprim_core.ecc import _kernels_refined_support as support
-from geoprim_core.ecc._kernels_refined_points import index_points
+from geoprim_core.ecc.refined import _kernels_arcs as arcs
+from geoprim_core.ecc.refined import _kernels_clutter as clutter
+from geoprim_core.ecc.refined import _kernels_conic as conic
+from geoprim_core.ecc.refined import _kernels_ends as ends
+from geoprim_core.ecc.refined import _kernels_final as final
+from geoprim_core.ecc.refined import _kernels_fit as fit
+from geoprim_core.ecc.refined import _kernels_mates as mates
+from geoprim_core.ecc.refined import _kernels_order as order
+from geoprim_core.ecc.refined import _kernels_outline as outline
+from geoprim_core.ecc.refined import _kernels_places as places_of
+from geoprim_core.ecc.refined import _kernels_refit as refit
+from geoprim_core.ecc.refined import _kernels_second_look as second_look
+from geoprim_core.ecc.refined import _kernels_stroke as stroke
+from geoprim_core.ecc.refined import _kernels_support as support
+from geoprim_core.ecc.refined._kernels_points import index_points
 
 ellipses = st.tuples(
     st.floats(-50, 8000),

@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geoprim_core.ecc import _kernels_refined_batch as batch
-from geoprim_core.ecc import _kernels_refined_fit as fit
-from geoprim_core.ecc import _kernels_refined_order as order
-from geoprim_core.ecc import _kernels_refined_pairs as pairs
+from geoprim_core.ecc.refined import _kernels_batch as batch
+from geoprim_core.ecc.refined import _kernels_fit as fit
+from geoprim_core.ecc.refined import _kernels_order as order
+from geoprim_core.ecc.refined import _kernels_pairs as pairs
 from geoprim_core.ecc.refined import trace_refined
-from geoprim_core.ecc.refined_arcs import gather_edges, split_arcs
-from geoprim_core.ecc.refined_candidates import pair_arcs
-from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.ecc.refined.arcs import gather_edges, split_arcs
+from geoprim_core.ecc.refined.candidates import pair_arcs
+from geoprim_core.ecc.refined.params import RefinedParams
 from geoprim_core.types import Contours
 
 FRAME = (900, 700)

@@ -6,9 +6,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geoprim_core.ecc import _kernels_refined_select as select
-from geoprim_core.ecc import _kernels_refined_support as support
-from geoprim_core.ecc._kernels_refined_points import index_points
+from geoprim_core.ecc.refined import _kernels_select as select
+from geoprim_core.ecc.refined import _kernels_support as support
+from geoprim_core.ecc.refined._kernels_points import index_points
 
 SIZE = 120
 REACH, LEAST, MOST, WEAKEST, WOVEN = 1.5, 0.6, 0.8, 0.0, 0.2

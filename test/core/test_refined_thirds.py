@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geoprim_core.ecc import _kernels_refined_thirds as thirds
-from geoprim_core.ecc._kernels_refined_support import Supported
+from geoprim_core.ecc.refined import _kernels_thirds as thirds
+from geoprim_core.ecc.refined._kernels_support import Supported
 
 TURNS = (
     np.array([[0.0, -1.0], [1.0, 0.0]]),

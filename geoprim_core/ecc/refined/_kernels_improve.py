@@ -9,8 +9,8 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_fit import add_point, fit_moments
-from geoprim_core.ecc._kernels_refined_outline import (
+from geoprim_core.ecc.refined._kernels_fit import add_point, fit_moments
+from geoprim_core.ecc.refined._kernels_outline import (
     COVERED,
     IN_FRAME,
     STEPS,
@@ -19,9 +19,9 @@ from geoprim_core.ecc._kernels_refined_outline import (
     add_support,
     collect,
 )
-from geoprim_core.ecc._kernels_refined_places import GLANCES, SKETCH, sketch_of
-from geoprim_core.ecc._kernels_refined_points import EdgeIndex
-from geoprim_core.ecc._kernels_refined_refit import (
+from geoprim_core.ecc.refined._kernels_places import GLANCES, SKETCH, sketch_of
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
+from geoprim_core.ecc.refined._kernels_refit import (
     FAR,
     MAD,
     REFIT_STEPS,
@@ -33,7 +33,7 @@ from geoprim_core.ecc._kernels_refined_refit import (
     refit,
     refit_within,
 )
-from geoprim_core.ecc._kernels_refined_support import Weights, hopeless
+from geoprim_core.ecc.refined._kernels_support import Weights, hopeless
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
 LEAST_REACH = 0.7  # pixels

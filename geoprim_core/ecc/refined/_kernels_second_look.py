@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from geoprim_core._check import FloatArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_points import EdgeIndex
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
 
 OPPOSITE = -0.9  # cosine of the angle between the normals of mates, at most
 LIKE_NEIGHBOUR = 0.75  # pixels between the distances to the mates of two neighbours

@@ -9,9 +9,9 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_arcs import CHORD, INWARDS, MIDDLE, PLACES, POLARITY, SIZE
-from geoprim_core.ecc._kernels_refined_batch import BATCH, WORK, fit_pairs, sample_arcs
-from geoprim_core.ecc._kernels_refined_few import PairRules, partners_of_few, sees
+from geoprim_core.ecc.refined._kernels_arcs import CHORD, INWARDS, MIDDLE, PLACES, POLARITY, SIZE
+from geoprim_core.ecc.refined._kernels_batch import BATCH, WORK, fit_pairs, sample_arcs
+from geoprim_core.ecc.refined._kernels_few import PairRules, partners_of_few, sees
 
 CLASS_RATIO = 1.5  # longest over shortest arc of one class of lengths
 LEAST_CELL = 16.0  # pixels

@@ -8,7 +8,7 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, Int16Array, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_points import EdgeIndex
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
 
 CELL = 2.0  # pixels of a bin
 LEAST_RADIUS = 4.0  # pixels

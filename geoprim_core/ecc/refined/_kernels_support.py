@@ -9,8 +9,8 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_of
-from geoprim_core.ecc._kernels_refined_outline import (
+from geoprim_core.ecc.refined._kernels_fit import offset_of
+from geoprim_core.ecc.refined._kernels_outline import (
     COVERED,
     CROSSING,
     IN_FRAME,
@@ -20,7 +20,7 @@ from geoprim_core.ecc._kernels_refined_outline import (
     TURN_COVERED,
     TURNED,
 )
-from geoprim_core.ecc._kernels_refined_refit import MAD
+from geoprim_core.ecc.refined._kernels_refit import MAD
 
 NEARLY_WHOLE = (0.7, 0.9)  # shares of the outline from which it counts as whole, a little and fully
 ROUND_BY_CHANCE = (3.0, 5.0)  # semi-minor axes in pixels at which any blob is round, and no longer

@@ -13,9 +13,9 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, Int8Array, Int32Array, IntArray
 from geoprim_core._jit import inlined_kernel, inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_at
-from geoprim_core.ecc._kernels_refined_places import pixels_of, quarter_of
-from geoprim_core.ecc._kernels_refined_points import EdgeIndex
+from geoprim_core.ecc.refined._kernels_fit import offset_at
+from geoprim_core.ecc.refined._kernels_places import pixels_of, quarter_of
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
 
 ACROSS = 0.82  # cosine of 35 degrees: an edge point turned further crosses the outline
 CHUNK = 24  # places of a quarter that are looked at together
@@ -60,7 +60,7 @@ class Walk(NamedTuple):
     sums : (SUMS,) float64
         What `add_support` counts.
     gathered : (3, N) float64
-        The supporting points as `_kernels_refined_refit` takes them.
+        The supporting points as `_kernels_refit` takes them.
     """
 
     places: FloatArray

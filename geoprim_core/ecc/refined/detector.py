@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from geoprim_core._check import BoolArray, IntArray, describe
-from geoprim_core.ecc import _kernels_refined_final as _final
-from geoprim_core.ecc import _kernels_refined_select as _select
-from geoprim_core.ecc import _kernels_refined_thirds as _thirds
-from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs, gather_edges, split_arcs
-from geoprim_core.ecc.refined_candidates import (
+from geoprim_core.ecc.refined import _kernels_final as _final
+from geoprim_core.ecc.refined import _kernels_select as _select
+from geoprim_core.ecc.refined import _kernels_thirds as _thirds
+from geoprim_core.ecc.refined.arcs import EdgePoints, SmoothArcs, gather_edges, split_arcs
+from geoprim_core.ecc.refined.candidates import (
     Candidates,
     Verified,
     allow_for_chance,
@@ -23,8 +23,8 @@ from geoprim_core.ecc.refined_candidates import (
     vote,
     what_was_left_out,
 )
-from geoprim_core.ecc.refined_params import RefinedParams
-from geoprim_core.ecc.refined_score import SCORE_MAP
+from geoprim_core.ecc.refined.params import RefinedParams
+from geoprim_core.ecc.refined.score import SCORE_MAP
 from geoprim_core.errors import InputError
 from geoprim_core.params import as_params
 from geoprim_core.types import Contours, EllipseDetections, Ellipses, Polygons

@@ -8,7 +8,7 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, Int8Array, IntArray
 from geoprim_core._jit import inner_kernel
-from geoprim_core.ecc._kernels_refined_arcs import CHORD, INWARDS, MIDDLE, PLACES, POLARITY, SIZE
+from geoprim_core.ecc.refined._kernels_arcs import CHORD, INWARDS, MIDDLE, PLACES, POLARITY, SIZE
 
 
 class PairRules(NamedTuple):

@@ -8,8 +8,8 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, Int32Array, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_outline import ACROSS, COVERED_PLACE, GAP, STEPS, Walk
-from geoprim_core.ecc._kernels_refined_points import EdgeIndex
+from geoprim_core.ecc.refined._kernels_outline import ACROSS, COVERED_PLACE, GAP, STEPS, Walk
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
 
 RESUMED = 8  # points of a contour after which it has left the outline for good
 GOES_ON = 6  # points of a contour beyond its last support that make it go on

@@ -12,8 +12,8 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel, summing_kernel
-from geoprim_core.ecc._kernels_refined_conic import ellipse_of_conic
-from geoprim_core.ecc._kernels_refined_fit import offset_at
+from geoprim_core.ecc.refined._kernels_conic import ellipse_of_conic
+from geoprim_core.ecc.refined._kernels_fit import offset_at
 
 TUKEY = 4.685  # 95 % efficiency on normal errors
 MAD = 1.4826

@@ -8,12 +8,12 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, Int32Array, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_ends import (
+from geoprim_core.ecc.refined._kernels_ends import (
     continuing_share,
     neighbours_of,
     unexplained_share,
 )
-from geoprim_core.ecc._kernels_refined_improve import (
+from geoprim_core.ecc.refined._kernels_improve import (
     LEAST_POINTS,
     POLISHES,
     REACHES,
@@ -24,7 +24,7 @@ from geoprim_core.ecc._kernels_refined_improve import (
     near_copy,
     polish_support,
 )
-from geoprim_core.ecc._kernels_refined_outline import (
+from geoprim_core.ecc.refined._kernels_outline import (
     COVERED,
     CROSSING,
     IN_FRAME,
@@ -35,14 +35,14 @@ from geoprim_core.ecc._kernels_refined_outline import (
     Walk,
     new_walk,
 )
-from geoprim_core.ecc._kernels_refined_owners import (
+from geoprim_core.ecc.refined._kernels_owners import (
     is_settled,
     no_owners,
     note_failure,
     note_owner,
 )
-from geoprim_core.ecc._kernels_refined_points import EdgeIndex
-from geoprim_core.ecc._kernels_refined_support import (
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
+from geoprim_core.ecc.refined._kernels_support import (
     ACROSS_EACH,
     COVERAGE,
     EVIDENCE,

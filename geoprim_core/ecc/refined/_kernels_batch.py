@@ -14,9 +14,9 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel, summing_kernel
-from geoprim_core.ecc._kernels_refined_arcs import INWARDS, MIDDLE, SIZE
-from geoprim_core.ecc._kernels_refined_conic import axes_of_conic, direct_conic, ellipse_of_conic
-from geoprim_core.ecc._kernels_refined_few import PairRules
+from geoprim_core.ecc.refined._kernels_arcs import INWARDS, MIDDLE, SIZE
+from geoprim_core.ecc.refined._kernels_conic import axes_of_conic, direct_conic, ellipse_of_conic
+from geoprim_core.ecc.refined._kernels_few import PairRules
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
 SAMPLES = 12  # points of an arc that an ellipse is measured by

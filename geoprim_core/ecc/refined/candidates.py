@@ -8,24 +8,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
-from geoprim_core.ecc import _kernels_refined_clutter as _clutter
-from geoprim_core.ecc import _kernels_refined_pairs as _pairs
-from geoprim_core.ecc import _kernels_refined_verify as _verify
-from geoprim_core.ecc import _kernels_refined_votes as _votes
-from geoprim_core.ecc._kernels_refined_arcs import POLARITY
-from geoprim_core.ecc._kernels_refined_few import PairRules
-from geoprim_core.ecc._kernels_refined_improve import Rules
-from geoprim_core.ecc._kernels_refined_order import best_first
-from geoprim_core.ecc._kernels_refined_support import (
+from geoprim_core.ecc.refined import _kernels_clutter as _clutter
+from geoprim_core.ecc.refined import _kernels_pairs as _pairs
+from geoprim_core.ecc.refined import _kernels_verify as _verify
+from geoprim_core.ecc.refined import _kernels_votes as _votes
+from geoprim_core.ecc.refined._kernels_arcs import POLARITY
+from geoprim_core.ecc.refined._kernels_few import PairRules
+from geoprim_core.ecc.refined._kernels_improve import Rules
+from geoprim_core.ecc.refined._kernels_order import best_first
+from geoprim_core.ecc.refined._kernels_support import (
     COVERAGE,
     EVIDENCE,
     TURN_COVERAGE,
     Supported,
     Weights,
 )
-from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs
-from geoprim_core.ecc.refined_params import RefinedParams
-from geoprim_core.ecc.refined_score import SCORE_MAP
+from geoprim_core.ecc.refined.arcs import EdgePoints, SmoothArcs
+from geoprim_core.ecc.refined.params import RefinedParams
+from geoprim_core.ecc.refined.score import SCORE_MAP
 
 USUAL_SHARE = 0.3
 """Share of the smooth arcs on no accepted ellipse up to which evidence stays as it is."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from geoprim_core._check import IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_points import arcs_of_points
+from geoprim_core.ecc.refined._kernels_points import arcs_of_points
 
 SLOTS = 8  # verified ellipses remembered for each arc
 OWNED = 0.7  # an arc belongs to an ellipse that this share of its points support

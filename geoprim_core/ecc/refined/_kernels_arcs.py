@@ -8,7 +8,7 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inlined_kernel, kernel
-from geoprim_core.ecc._kernels_refined_fit import add_point
+from geoprim_core.ecc.refined._kernels_fit import add_point
 
 ROUNDING = 1.5 * 2.0**52  # a sum of this size has no room for a fraction
 HALF_PI = (1.5707963267341256, 6.077100506506192e-11)  # a multiple of the first is exact

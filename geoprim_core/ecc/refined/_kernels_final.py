@@ -8,11 +8,11 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_covariance import covariance_of, radius_at
-from geoprim_core.ecc._kernels_refined_fit import offset_of
-from geoprim_core.ecc._kernels_refined_order import order_around
-from geoprim_core.ecc._kernels_refined_points import arcs_of_points
-from geoprim_core.ecc._kernels_refined_refit import (
+from geoprim_core.ecc.refined._kernels_covariance import covariance_of, radius_at
+from geoprim_core.ecc.refined._kernels_fit import offset_of
+from geoprim_core.ecc.refined._kernels_order import order_around
+from geoprim_core.ecc.refined._kernels_points import arcs_of_points
+from geoprim_core.ecc.refined._kernels_refit import (
     FAR,
     MAD,
     TUKEY,
@@ -21,7 +21,7 @@ from geoprim_core.ecc._kernels_refined_refit import (
     measure_points,
     refit_within,
 )
-from geoprim_core.ecc._kernels_refined_support import Supported
+from geoprim_core.ecc.refined._kernels_support import Supported
 
 GAP = 4.0  # pixels along the outline without support that end an arc
 NOISE_GAP = 12.0  # and that noise may leave

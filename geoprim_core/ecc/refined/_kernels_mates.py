@@ -9,7 +9,7 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, Int32Array, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_second_look import OPPOSITE, MateSearch, complete_mates
+from geoprim_core.ecc.refined._kernels_second_look import OPPOSITE, MateSearch, complete_mates
 
 WORTHWHILE = 0.5  # share of the mates that a line needs from which more are looked for
 END = 6  # points at the end of a line of which only one edge may be seen

@@ -9,13 +9,13 @@ from operator import itemgetter
 import numpy as np
 
 from geoprim_core._check import FloatArray, Int32Array, IntArray
-from geoprim_core.ecc import _kernels_refined_arcs as _arcs
-from geoprim_core.ecc import _kernels_refined_mates as _mates
-from geoprim_core.ecc import _kernels_refined_split as _split
-from geoprim_core.ecc import _kernels_refined_stroke as _stroke
-from geoprim_core.ecc._kernels_refined_points import EdgeIndex, index_points
-from geoprim_core.ecc._kernels_refined_second_look import MateSearch
-from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.ecc.refined import _kernels_arcs as _arcs
+from geoprim_core.ecc.refined import _kernels_mates as _mates
+from geoprim_core.ecc.refined import _kernels_split as _split
+from geoprim_core.ecc.refined import _kernels_stroke as _stroke
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex, index_points
+from geoprim_core.ecc.refined._kernels_second_look import MateSearch
+from geoprim_core.ecc.refined.params import RefinedParams
 from geoprim_core.types import Contours
 
 SOBEL_VARIANCE = 0.5  # of the Sobel filter as a blur, in square pixels
@@ -104,7 +104,7 @@ class SmoothArcs:
         Arc k is `indices[offsets[k]:offsets[k + 1]]`.
     table : (A, 19) float64
         Middle, ends, inner normals, chord, polarity, height and number of points; the columns
-        have names in `_kernels_refined_arcs`.
+        have names in `_kernels_arcs`.
     moments : (A, 25) float64
         Sums of x^p y^q about the middle at [5 p + q], p + q <= 4.
     """

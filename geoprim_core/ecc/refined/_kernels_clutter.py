@@ -8,11 +8,11 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_of
-from geoprim_core.ecc._kernels_refined_outline import ACROSS
-from geoprim_core.ecc._kernels_refined_places import outline_of
-from geoprim_core.ecc._kernels_refined_points import EdgeIndex
-from geoprim_core.ecc._kernels_refined_support import (
+from geoprim_core.ecc.refined._kernels_fit import offset_of
+from geoprim_core.ecc.refined._kernels_outline import ACROSS
+from geoprim_core.ecc.refined._kernels_places import outline_of
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
+from geoprim_core.ecc.refined._kernels_support import (
     ACROSS_EACH,
     COVERAGE,
     EVIDENCE,

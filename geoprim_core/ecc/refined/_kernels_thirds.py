@@ -8,9 +8,9 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_order import order_around
-from geoprim_core.ecc._kernels_refined_refit import solve5
-from geoprim_core.ecc._kernels_refined_support import (
+from geoprim_core.ecc.refined._kernels_order import order_around
+from geoprim_core.ecc.refined._kernels_refit import solve5
+from geoprim_core.ecc.refined._kernels_support import (
     ACROSS_EACH,
     COVERAGE,
     EVIDENCE,

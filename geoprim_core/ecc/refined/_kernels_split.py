@@ -8,7 +8,7 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_fit import add_point, add_shifted, fit_moments, offset_of
+from geoprim_core.ecc.refined._kernels_fit import add_point, add_shifted, fit_moments, offset_of
 
 SAMPLES = 24  # points that tell how well an ellipse fits an arc
 

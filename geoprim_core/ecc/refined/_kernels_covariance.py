@@ -8,8 +8,8 @@ import numpy as np
 
 from geoprim_core._check import FloatArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_of
-from geoprim_core.ecc._kernels_refined_refit import solve5
+from geoprim_core.ecc.refined._kernels_fit import offset_of
+from geoprim_core.ecc.refined._kernels_refit import solve5
 
 ANGLE_PRIOR = 12.0 / math.pi**2  # inverse variance of an angle of which nothing is known
 ANGLE_HOLD = 1e-6  # of the weight of the centre, that holds an angle which nothing determines
