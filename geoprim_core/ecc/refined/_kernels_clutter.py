@@ -10,7 +10,7 @@ from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import kernel
 from geoprim_core.ecc.refined._kernels_fit import offset_of
 from geoprim_core.ecc.refined._kernels_outline import ACROSS
-from geoprim_core.ecc.refined._kernels_places import outline_of
+from geoprim_core.ecc.refined._kernels_places import outline_of, pixel_at
 from geoprim_core.ecc.refined._kernels_points import EdgeIndex
 from geoprim_core.ecc.refined._kernels_support import (
     ACROSS_EACH,
@@ -36,13 +36,10 @@ def count_crossings(
     head, following, points, normals = edges
     height, width = head.shape
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    a, b = ellipse[2], ellipse[3]
     count = 0
-    places = outline_of(a, b, 2.0)
+    places = outline_of(ellipse[2], ellipse[3], 2.0)
     for k in range(len(places)):
-        u, v = a * places[k, 0], b * places[k, 1]
-        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
-        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
+        px, py = pixel_at(ellipse, cos, sin, places[k, 0], places[k, 1])
         if px < 1 or py < 1 or px > width - 2 or py > height - 2:
             continue
         for y in range(py - 1, py + 2):

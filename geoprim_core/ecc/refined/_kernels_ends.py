@@ -9,6 +9,7 @@ import numpy as np
 from geoprim_core._check import FloatArray, Int32Array, IntArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc.refined._kernels_outline import ACROSS, COVERED_PLACE, GAP, STEPS, Walk
+from geoprim_core.ecc.refined._kernels_places import pixel_at
 from geoprim_core.ecc.refined._kernels_points import EdgeIndex
 
 RESUMED = 8  # points of a contour after which it has left the outline for good
@@ -107,8 +108,7 @@ def is_end_crossed(
     ct = ct if place % 2 == 0 else -ct
     st = st if place % 4 < 2 else -st
     a, b = ellipse[2], ellipse[3]
-    x = int(math.floor(ellipse[0] + a * ct * cos - b * st * sin + 0.5))
-    y = int(math.floor(ellipse[1] + a * ct * sin + b * st * cos + 0.5))
+    x, y = pixel_at(ellipse, cos, sin, ct, st)
     gu, gv = b * ct, a * st
     norm = math.sqrt(gu * gu + gv * gv)
     nx, ny = (gu * cos - gv * sin) / norm, (gu * sin + gv * cos) / norm

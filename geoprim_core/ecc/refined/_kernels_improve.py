@@ -103,7 +103,7 @@ class Rules(NamedTuple):
     max_candidates: int
 
 
-@kernel
+@inner_kernel
 def growth_of(ellipse: FloatArray, rules: Rules) -> float:
     """Return how many times as far as on a small ellipse edge points may lie from a larger one."""
     return float(1.0 + rules.reach_growth * ellipse[3])
@@ -112,11 +112,11 @@ def growth_of(ellipse: FloatArray, rules: Rules) -> float:
 @kernel
 def fit_chosen(near: FloatArray, count: int, ellipse: FloatArray) -> bool:
     """Replace an ellipse by the direct fit to some points; False (unchanged) if there is none."""
-    moments = np.zeros(25)
+    room = np.zeros(30)
+    moments, out = room[:25], room[25:]
     scale = 1.0 / ellipse[2]
     for k in range(count):
         add_point(moments, (near[X, k] - ellipse[0]) * scale, (near[Y, k] - ellipse[1]) * scale)
-    out = np.empty(5)
     if not fit_moments(moments, ellipse[0], ellipse[1], scale, out):
         return False
     ellipse[:] = out

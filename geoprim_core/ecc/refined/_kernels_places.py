@@ -133,3 +133,11 @@ def outline_of(a: float, b: float, stride: float) -> FloatArray:
         places[2 * count + k, 0], places[2 * count + k, 1] = -c, -s
         places[4 * count - 1 - k, 0], places[4 * count - 1 - k, 1] = c, -s
     return places
+
+
+@inner_kernel
+def pixel_at(ellipse: FloatArray, cos: float, sin: float, ct: float, st: float) -> tuple[int, int]:
+    """Return the pixel of an outline's place with the cosine and sine of its parameter."""
+    u, v = ellipse[2] * ct, ellipse[3] * st
+    x, y = ellipse[0] + u * cos - v * sin, ellipse[1] + u * sin + v * cos
+    return int(math.floor(x + 0.5)), int(math.floor(y + 0.5))

@@ -10,7 +10,7 @@ from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.ecc.refined._kernels_fit import offset_of
 from geoprim_core.ecc.refined._kernels_outline import ACROSS
-from geoprim_core.ecc.refined._kernels_places import outline_of
+from geoprim_core.ecc.refined._kernels_places import outline_of, pixel_at
 from geoprim_core.ecc.refined._kernels_points import EdgeIndex
 from geoprim_core.ecc.refined._kernels_support import (
     COVERAGE,
@@ -47,9 +47,7 @@ def claim(
     band = int(math.ceil(reach))
     places = outline_of(ellipse[2], ellipse[3], 2.0)
     for k in range(len(places)):
-        u, v = ellipse[2] * places[k, 0], ellipse[3] * places[k, 1]
-        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
-        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
+        px, py = pixel_at(ellipse, cos, sin, places[k, 0], places[k, 1])
         for y in range(max(0, py - band), min(height, py + band + 1)):
             for x in range(max(0, px - band), min(width, px + band + 1)):
                 p = head[y, x]
