@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from geoprim_core.ecc import DetectorParams, detect_ellipses
-from geoprim_core.ecc.refined_score import SCORE_MAP
+from geoprim_core.ecc.refined.score import SCORE_MAP
 from geoprim_core.errors import FileError
 from geoprim_core.evaluation import (
     Coverage,
@@ -93,7 +93,7 @@ def _pairs(
 
 
 def _print_fit(samples: ScoredDetections) -> None:
-    """Print the fitted map as it stands in `ecc/refined_score.py`, and what it does."""
+    """Print the fitted map as it stands in `ecc/refined/score.py`, and what it does."""
     weights = {_PHOTOGRAPHS: _WEIGHT_OF_PHOTOGRAPHS}
     fitted = fit_score(samples, weights=weights)
     print("\nThe same with this map, photographs each by a map fitted without it:\n")

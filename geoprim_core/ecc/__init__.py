@@ -1,6 +1,7 @@
 """Ellipse detection from edge curvature and convexity (ECC), thesis chapter 5.
 
-Smooth arcs (5.3), groups and hypotheses (5.4), saliency and selection (5.5). `TABLE` lists the
+Smooth arcs (5.3), groups and hypotheses (5.4), saliency and selection (5.5) in a file a section,
+listed in `schemes.trace_scheme`; the default scheme has the room `refined`. `TABLE` lists the
 schemes; each runs as `detect_ellipses(image, DetectorParams.for_scheme(name))`.
 """
 
@@ -14,7 +15,7 @@ from geoprim_core.ecc.detector import (
 )
 from geoprim_core.ecc.grouping_params import GroupingParams, SaliencyParams
 from geoprim_core.ecc.params import DetectorParams, EccParams
-from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.ecc.refined.params import RefinedParams
 from geoprim_core.ecc.smooth_params import SmoothParams
 from geoprim_core.methods import Method, Table
 from geoprim_core.tangent import three_point_centre

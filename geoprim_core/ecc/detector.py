@@ -49,6 +49,8 @@ def detect_ellipses(image: AnyArray, params: DetectorParams | None = None) -> El
     ------
     ImageError
         The image is empty, of another shape or type, or holds NaN or infinity.
+    ParameterError
+        `params` is not a `DetectorParams`.
 
     References
     ----------
@@ -75,10 +77,20 @@ def detect_from_contours(
 ) -> EllipseDetections:
     """Detect ellipses from edge contours and their polygonal approximations, best first.
 
+    Parameters
+    ----------
+    contours : Contours
+        Scheme `refined` does best with sub-pixel positions and gradient angles.
+    polygons : Polygons
+        Those of the contours, one each; `refined` does not read them.
+    params : EccParams, optional
+
     Raises
     ------
     InputError
-        The polygons are not those of the contours.
+        The polygons are not those of the contours (schemes 1, 2 and 3).
+    ParameterError
+        `params` is not an `EccParams`.
 
     References
     ----------
@@ -104,9 +116,18 @@ def detect_from_contours(
 def trace_detection(image: AnyArray, params: DetectorParams | None = None) -> DetectionTrace:
     """Detect the ellipses in an image and keep every intermediate result.
 
+    It takes longer than `detect_ellipses`, whose detections it gives: polygons are made whether
+    the scheme reads them or not.
+
+    Parameters
+    ----------
+    image : array
+        As `detect_ellipses` takes it.
+    params : DetectorParams, optional
+
     Raises
     ------
-    ImageError
+    ImageError, ParameterError
         As `detect_ellipses`.
 
     Examples
@@ -128,6 +149,17 @@ def trace_detection(image: AnyArray, params: DetectorParams | None = None) -> De
 
 
 def find_polygons(contours: Contours, params: DetectorParams) -> Polygons:
-    """Approximate contours by the method that the parameters name, thesis 5.3 and 2.5.1.2."""
+    """Approximate contours by the method that the parameters name.
+
+    References
+    ----------
+    Thesis 5.3 (polygons of edge contours), 2.5.1.2 (the default method).
+
+    Examples
+    --------
+    >>> corner = [(x, 0) for x in range(9)] + [(8, y) for y in range(1, 9)]
+    >>> find_polygons(Contours(corner, [0, 17], [False]), DetectorParams()).indices.tolist()
+    [0, 8, 16]
+    """
     method = params.polygon_method
     return approximate(contours, method=method, params=params.polygon.of(method))

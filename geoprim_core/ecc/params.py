@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from geoprim_core.ecc.grouping_params import GroupingParams, SaliencyParams
-from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.ecc.refined.params import RefinedParams
 from geoprim_core.ecc.smooth_params import SmoothParams
 from geoprim_core.edges import EdgeParams
 from geoprim_core.errors import ParameterError

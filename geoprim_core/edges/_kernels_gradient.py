@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -183,12 +183,38 @@ def row_sums(row: Any) -> Any:
     return total, squares
 
 
+class RowRoom(NamedTuple):
+    """Room for the few rows of an image that `gradient` works on: W columns, C channels.
+
+    Attributes
+    ----------
+    lines : (C, W + 2 R) uint8
+        A row of an 8-bit image, its ends repeated, for a blur that reaches R pixels.
+    short : (W,) int16
+    line : (W + 2 R,) float32
+        A row of one channel of another image.
+    ring : (C, 2 R + 1, W) float32
+        Rows blurred along.
+    smooth : (C, 3, W + 2) float32
+        Rows blurred both ways.
+    crest : (W,) float32
+        The largest magnitude of each column.
+    """
+
+    lines: Any
+    short: Any
+    line: Any
+    ring: Any
+    smooth: Any
+    crest: Any
+
+
 @inner_kernel
 def write_rows(
-    octets: Any, levels: Any, half: Any, scale: Any, lines: Any, short: Any, line: Any,
-    ring: Any, smooth: Any, crest: Any, dx: Any, dy: Any, values: Any,
-) -> Any:  # fmt: skip
+    octets: Any, levels: Any, half: Any, scale: Any, room: Any, dx: Any, dy: Any, values: Any
+) -> Any:
     """Do what `gradient` does, with room for a few rows of each channel."""
+    lines, short, line, ring, smooth, crest = room
     height, width = values.shape
     channels, rows = ring.shape[0], ring.shape[1]
     read = 0
@@ -236,16 +262,16 @@ def gradient(
     """
     width = values.shape[1]
     reach = len(half) - 1
-    lines = np.empty((channels, width + 2 * reach), np.uint8)
-    short = np.empty(width, np.int16)
-    line = np.empty(width + 2 * reach, np.float32)
-    ring = np.empty((channels, 2 * reach + 1, width), np.float32)
-    smooth = np.empty((channels, 3, width + 2), np.float32)
-    crest = np.zeros(width, np.float32)
-    total, squares = write_rows(
-        octets, levels, half, scale, lines, short, line, ring, smooth, crest, dx, dy, values
+    room = RowRoom(
+        np.empty((channels, width + 2 * reach), np.uint8),
+        np.empty(width, np.int16),
+        np.empty(width + 2 * reach, np.float32),
+        np.empty((channels, 2 * reach + 1, width), np.float32),
+        np.empty((channels, 3, width + 2), np.float32),
+        np.zeros(width, np.float32),
     )
-    return crest.max(), total, squares
+    total, squares = write_rows(octets, levels, half, scale, room, dx, dy, values)
+    return room.crest.max(), total, squares
 
 
 @inner_kernel

@@ -10,10 +10,13 @@ import numpy as np
 from geoprim_core._jit import inner_kernel, kernel
 from geoprim_core.edges._kernels_pixels import NONE, NX, NY, OX, OY
 
-EXCESS_SHARE = 0.5
+EXCESS_SHARE = 0.5  # of the largest turn, that a link may differ by from what is around it
+LEAST_STEP = 0.3  # pixels along the edge
+TURN_COST = 4.0  # pixels that a step costs for one less cosine
+SAME_SQUARE = 0.16  # square pixels between the edge points of two pixels that are one
 CHUNK = 256  # pixels
 FITS, ONWARDS, TWIN = 1, 2, 4  # what is known of a pair, or-ed
-DOUBLE_COSINE = 0.9
+DOUBLE_COSINE = 0.9  # and their gradients
 APART, UNLINKED = NONE - 1, NONE  # takes no part; no neighbour yet
 
 
@@ -83,9 +86,9 @@ def judge_pairs(rows: Any, turn_cosine: Any, slant: Any, costs: Any, states: Any
         along = (ex * sy - ey * sx) * scale
         across = abs(ex * sx + ey * sy) * scale
         length = abs(along)
-        costs[c] = length + across + 4.0 * (1.0 - cosine)
-        fits = (cosine >= turn_cosine) & (across <= slant * length) & (length >= 0.3)
-        twin = (ex * ex + ey * ey <= 0.16) & (cosine >= DOUBLE_COSINE)
+        costs[c] = length + across + TURN_COST * (1.0 - cosine)
+        fits = (cosine >= turn_cosine) & (across <= slant * length) & (length >= LEAST_STEP)
+        twin = (ex * ex + ey * ey <= SAME_SQUARE) & (cosine >= DOUBLE_COSINE)
         state = FITS if fits else 0
         state |= ONWARDS if along > 0.0 else 0
         states[c] = state | (TWIN if twin else 0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import cast
 
@@ -11,13 +11,11 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from geoprim_core._check import AnyArray
+from geoprim_core._check import AnyArray, UInt32Array
 from geoprim_core.edges import _kernels, _kernels_gradient
 from geoprim_core.edges.params import EdgeParams
 
 Float32Array = npt.NDArray[np.float32]
-UInt32Array = npt.NDArray[np.uint32]
-Gradient = tuple[Float32Array, Float32Array, Float32Array, tuple[float, float]]
 
 _BGR_WEIGHTS = (0.114, 0.587, 0.299)  # ITU-R BT.601 luma
 _KERNEL_SUM = 128
@@ -31,23 +29,53 @@ _DROWNED = (0.74, 0.84)  # shares of that from which noise drowns the edges, a l
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class GradientLevels:
-    """What is known of the magnitudes of a gradient, in grey levels per pixel.
+class Gradient:
+    """The gradient of a blurred image, in grey levels per pixel.
 
     Attributes
     ----------
+    dx, dy, magnitude : (H, W) float32
+    blur : float
+        Standard deviation of the Gaussian blur before it in pixels.
     largest : float
+        The largest magnitude.
     typical : float
         The mean of the magnitudes weighted by themselves: flat ground does not count in it, and
         it grows in proportion to the contrast.
     noise : float
-        Standard deviation of what is seen all over the image, or 0 where that is too little to
-        matter.
+        Standard deviation of what is seen all over the image; 0 where that is too little to
+        matter, or not measured (`measure_noise`).
     """
 
+    dx: Float32Array
+    dy: Float32Array
+    magnitude: Float32Array
+    blur: float
     largest: float
     typical: float
-    noise: float
+    noise: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edges:
+    """The edge map of an image.
+
+    Attributes
+    ----------
+    gradient : Gradient
+    flat : (N,) uint32
+        Flat indices of the edge pixels, rising.
+    low, high : float
+        Hysteresis thresholds on the magnitude, in grey levels per pixel.
+    softness : float
+        Standard deviation of the smoothing that most edges show in pixels; NaN: not known.
+    """
+
+    gradient: Gradient
+    flat: UInt32Array
+    low: float
+    high: float
+    softness: float = math.nan
 
 
 def to_gray(image: AnyArray, *, equalise: bool = False) -> AnyArray:
@@ -125,31 +153,26 @@ def channels_of(image: AnyArray, params: EdgeParams) -> AnyArray:
     return image if image.dtype == np.uint8 else _stretched(image[:, :, :3])
 
 
-def steady_gradient(
-    image: AnyArray, params: EdgeParams
-) -> tuple[Float32Array, Float32Array, Float32Array, GradientLevels, float]:
+def steady_gradient(image: AnyArray, params: EdgeParams) -> Gradient:
     """Return the gradient of an image as `channels_of` gives it, blurred more where it is noisy.
 
     The standard deviation of the gradient's noise falls with the variance of the blur (that of
     the Sobel filter is 1/2), the height of an edge only with its root. So the blur grows until
     the noise is a share `noise_share` of the typical gradient, or to `noise_sigma`; where noise all
     but drowns the edges, to `drowned_sigma`. An image with less noise than that keeps its blur.
-    What is known of the magnitudes comes fourth, the standard deviation of the blur last.
 
     References
     ----------
     J. Immerkaer, Fast noise variance estimation, CVIU 64 (1996), with the median.
     """
-    dx, dy, values, extent = gradient(image, params.sigma)
-    levels = gradient_levels(values, extent, params)
-    share = _noise_share(image, levels, params)
+    found = measure_noise(gradient(image, params.sigma), params)
+    share = _noise_share(image, found, params)
     growth = share / params.noise_share
     if not growth > 1.0:
-        return dx, dy, values, levels, params.sigma
+        return found
     variance = growth**2 * (params.sigma**2 + _SOBEL_VARIANCE) - _SOBEL_VARIANCE
     sigma = min(_most_blur(share, params), math.sqrt(variance))
-    dx, dy, values, extent = gradient(image, sigma)
-    return dx, dy, values, gradient_levels(values, extent, params), sigma
+    return measure_noise(gradient(image, sigma), params)
 
 
 def _most_blur(share: float, params: EdgeParams) -> float:
@@ -159,18 +182,18 @@ def _most_blur(share: float, params: EdgeParams) -> float:
     return params.noise_sigma + drowned * max(0.0, params.drowned_sigma - params.noise_sigma)
 
 
-def _noise_share(image: AnyArray, levels: GradientLevels, params: EdgeParams) -> float:
+def _noise_share(image: AnyArray, found: Gradient, params: EdgeParams) -> float:
     """Return the noise of the gradient in typical gradients, 0 where it is not looked at closely.
 
     It is the smaller one of two estimates: the median magnitude, which texture raises, and the
     noise of single pixels, which blur conceals.
     """
-    least = params.noise_share * levels.typical
-    if params.noise_sigma <= params.sigma or levels.noise <= least or min(image.shape[:2]) < 3:
+    least = params.noise_share * found.typical
+    if params.noise_sigma <= params.sigma or found.noise <= least or min(image.shape[:2]) < 3:
         return 0.0
     effect = 1.0 / (math.sqrt(8.0 * math.pi) * (params.sigma**2 + _SOBEL_VARIANCE))
     single = effect * pixel_noise(image)
-    return min(levels.noise, single) / levels.typical
+    return min(found.noise, single) / found.typical
 
 
 def pixel_noise(image: AnyArray) -> float:
@@ -205,10 +228,9 @@ def image_rows(image: AnyArray) -> tuple[AnyArray, AnyArray, int]:
 
 
 def gradient(image: AnyArray, sigma: float) -> Gradient:
-    """Return dx, dy and their magnitude (H, W): Gaussian blur, 3x3 Sobel, strongest channel.
+    """Return the gradient of an image: Gaussian blur, 3x3 Sobel, strongest channel.
 
-    They are in levels per pixel. The largest and the typical magnitude come fourth, see
-    `GradientLevels`.
+    Its noise is not measured.
 
     Parameters
     ----------
@@ -223,39 +245,32 @@ def gradient(image: AnyArray, sigma: float) -> Gradient:
     )
     # Rounded: the sums depend a little on the order, a turned image is to have the same edges.
     typical = _rounded(squares / total) if largest > 0.0 else 0.0
-    return dx, dy, values, (float(largest), typical)
+    return Gradient(dx, dy, values, sigma, float(largest), typical)
 
 
-def find_edges(
-    dx: Float32Array,
-    dy: Float32Array,
-    values: Float32Array,
-    params: EdgeParams,
-    levels: GradientLevels,
-) -> tuple[UInt32Array, float, float]:
-    """Return the flat indices (N,) of the edge pixels and the low and high threshold.
-
-    The thresholds are in grey levels per pixel, as the gradient and its magnitude `values`.
-    """
-    low, high = _thresholds(levels, params)
-    state = np.zeros(values.shape, np.uint8)
-    peaks = _kernels.suppress(values, dx, dy, low, high, state)
-    return _kernels.hysteresis(state, peaks), low, high
-
-
-def gradient_levels(
-    values: Float32Array, extent: tuple[float, float], params: EdgeParams
-) -> GradientLevels:
-    """Return the `extent` of a gradient with magnitudes (H, W), and their noise."""
-    largest, typical = extent
-    if not largest > 0.0:
-        return GradientLevels(0.0, 0.0, 0.0)
+def measure_noise(found: Gradient, params: EdgeParams) -> Gradient:
+    """Return a gradient with its noise, from the median magnitude."""
+    if not found.largest > 0.0:
+        return found
     share = params.noise_share
     if params.threshold_rule == "auto" and params.noise_factor > 0.0:
         share = min(share, params.high_auto / params.noise_factor)
-    harmless = share * typical * _RAYLEIGH_MEDIAN
-    median = float(_kernels.median_magnitude(values, largest, harmless))
-    return GradientLevels(largest, typical, median / _RAYLEIGH_MEDIAN)
+    harmless = share * found.typical * _RAYLEIGH_MEDIAN
+    median = float(_kernels.median_magnitude(found.magnitude, found.largest, harmless))
+    return replace(found, noise=median / _RAYLEIGH_MEDIAN)
+
+
+def find_edges(found: Gradient, params: EdgeParams) -> Edges:
+    """Return the edges of a gradient: maxima along it, kept by two thresholds with hysteresis.
+
+    References
+    ----------
+    Canny, A computational approach to edge detection, PAMI 8 (1986).
+    """
+    low, high = _thresholds(found, params)
+    state = np.zeros(found.magnitude.shape, np.uint8)
+    peaks = _kernels.suppress(found.magnitude, found.dx, found.dy, low, high, state)
+    return Edges(found, _kernels.hysteresis(state, peaks), low, high)
 
 
 def _rounded(value: float) -> float:
@@ -264,11 +279,11 @@ def _rounded(value: float) -> float:
     return math.ldexp(round(mantissa * 2.0**12), exponent - 12)
 
 
-def _thresholds(levels: GradientLevels, params: EdgeParams) -> tuple[float, float]:
+def _thresholds(found: Gradient, params: EdgeParams) -> tuple[float, float]:
     if params.threshold_rule == "absolute":
         return params.low_gradient, params.high_gradient
     if params.threshold_rule == "fraction":
-        return params.low_fraction * levels.largest, params.high_fraction * levels.largest
-    low, high = params.low_auto * levels.typical, params.high_auto * levels.typical
-    lift = max(1.0, params.noise_factor * levels.noise / high) if high > 0.0 else 1.0
+        return params.low_fraction * found.largest, params.high_fraction * found.largest
+    low, high = params.low_auto * found.typical, params.high_auto * found.typical
+    lift = max(1.0, params.noise_factor * found.noise / high) if high > 0.0 else 1.0
     return low * lift, high * lift

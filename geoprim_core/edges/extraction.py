@@ -9,7 +9,7 @@ import numpy as np
 
 from geoprim_core import _check
 from geoprim_core._check import AnyArray, BoolArray
-from geoprim_core.edges.canny import Float32Array, to_gray
+from geoprim_core.edges.canny import Edges, Float32Array, to_gray
 from geoprim_core.edges.linking import (
     STRONG,
     EdgePixels,
@@ -18,7 +18,7 @@ from geoprim_core.edges.linking import (
     locate_pixels,
 )
 from geoprim_core.edges.params import EdgeParams
-from geoprim_core.edges.stairs import Edges, smooth_edges
+from geoprim_core.edges.stairs import smooth_edges
 from geoprim_core.methods import Method, Table
 from geoprim_core.params import as_params
 from geoprim_core.types import Contours
@@ -90,10 +90,11 @@ def trace_edges(image: AnyArray, params: EdgeParams | None = None) -> EdgeTrace:
     image = _check.image(image)
     gray = to_gray(image, equalise=params.equalise)
     found = smooth_edges(image, params)
-    edges = np.zeros(found.dx.shape, np.bool_)
+    dx, dy = found.gradient.dx, found.gradient.dy
+    edges = np.zeros(dx.shape, np.bool_)
     edges.ravel()[found.flat] = True
     contours = TABLE[params.linking].function(_locate(found, params), params=params)
-    return EdgeTrace(gray, found.dx, found.dy, found.low, found.high, edges, contours)
+    return EdgeTrace(gray, dx, dy, found.low, found.high, edges, contours)
 
 
 def extract_contours(image: AnyArray, params: EdgeParams | None = None) -> Contours:
@@ -146,6 +147,7 @@ def _find_pixels(image: AnyArray, params: EdgeParams) -> EdgePixels:
 
 
 def _locate(found: Edges, params: EdgeParams) -> EdgePixels:
-    sure = STRONG * found.high if found.blur > params.sigma else math.inf
-    pixels = locate_pixels(found.flat, found.dx, found.dy, found.blur, sure)
+    gradient = found.gradient
+    sure = STRONG * found.high if gradient.blur > params.sigma else math.inf
+    pixels = locate_pixels(found.flat, gradient.dx, gradient.dy, gradient.blur, sure)
     return replace(pixels, softness=found.softness)

@@ -9,18 +9,16 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from geoprim_core._check import BoolArray
+from geoprim_core._check import BoolArray, Int32Array, UInt32Array
 from geoprim_core.edges import (
     _kernels_junctions,
     _kernels_linking,
     _kernels_pixels,
     _kernels_walk,
 )
-from geoprim_core.edges.canny import Float32Array, UInt32Array
+from geoprim_core.edges.canny import Float32Array
 from geoprim_core.edges.params import EdgeParams
 from geoprim_core.types import Contours
-
-Int32Array = npt.NDArray[np.int32]
 
 STRONG = 2.0  # high thresholds: in noise, five of its standard deviations
 _GROWN = 0.3  # pixels that the blur has grown by where noise or stairs turn gradients fully

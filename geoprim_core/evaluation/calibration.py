@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 
 from geoprim_core import _check
 from geoprim_core._check import BoolArray, FloatArray, IntArray
-from geoprim_core.ecc.refined_score import SCORE_MAP, ScoreMap
+from geoprim_core.ecc.refined.score import SCORE_MAP, ScoreMap
 from geoprim_core.errors import InputError
 from geoprim_core.evaluation.ground_truth import GroundTruth
 from geoprim_core.evaluation.matching import match_ellipses

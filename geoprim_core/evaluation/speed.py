@@ -19,9 +19,9 @@ from geoprim_core.ecc import (
     detect_from_contours,
     find_polygons,
 )
-from geoprim_core.ecc.refined import accept, cross_check, refit_chosen
-from geoprim_core.ecc.refined_arcs import gather_edges, split_arcs
-from geoprim_core.ecc.refined_candidates import pair_arcs, verify, vote
+from geoprim_core.ecc.refined.arcs import gather_edges, split_arcs
+from geoprim_core.ecc.refined.candidates import pair_arcs, verify, vote
+from geoprim_core.ecc.refined.detector import accept, cross_check, refit_chosen
 from geoprim_core.edges import extract_contours
 from geoprim_core.evaluation.peer_runner import CLOCKS
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geoprim_core.ecc import DetectorParams, detect_ellipses
-from geoprim_core.ecc.refined_score import SCORE_MAP, ScoreMap
+from geoprim_core.ecc.refined.score import SCORE_MAP, ScoreMap
 from geoprim_core.errors import InputError
 from geoprim_core.evaluation import (
     GroundTruth,

@@ -239,21 +239,23 @@ def noisy_disc(deviation: float) -> np.ndarray:
     return np.clip(image + noise, 0, 255).astype(np.uint8)
 
 
+def assert_same(one, other):
+    """Compare two gradients to the bit."""
+    for name in ("dx", "dy", "magnitude"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    assert one.blur == other.blur
+
+
 def test_an_image_without_noise_keeps_its_blur_to_the_bit():
     for image in (noisy_disc(0.0), data.coins(), data.astronaut()):
-        plain = gradient(image, EdgeParams().sigma)
-        for one, other in zip(plain[:3], steady_gradient(image, EdgeParams()), strict=False):
-            np.testing.assert_array_equal(one, other)
+        assert_same(gradient(image, EdgeParams().sigma), steady_gradient(image, EdgeParams()))
 
 
 def test_the_blur_grows_in_noise_up_to_its_limit():
     image = noisy_disc(16.0)
-    most = gradient(image, 1.2)
-    for one, other in zip(most[:3], steady_gradient(image, EdgeParams()), strict=False):
-        np.testing.assert_array_equal(one, other)
+    assert_same(gradient(image, 1.2), steady_gradient(image, EdgeParams()))
     plain = gradient(image, EdgeParams().sigma)
-    kept = steady_gradient(image, EdgeParams(noise_sigma=0.0))
-    np.testing.assert_array_equal(plain[2], kept[2])
+    assert_same(plain, steady_gradient(image, EdgeParams(noise_sigma=0.0)))
     assert extract_contours(image).blur == 1.2
     assert extract_contours(noisy_disc(30.0)).blur > 1.2  # noise drowns the edges
     assert extract_contours(noisy_disc(0.0)).blur == EdgeParams().sigma

@@ -21,9 +21,7 @@ def hard_disc(radius, size=120, low=30, high=220):
 def share_of(image):
     """Return the share of hard steps of an image."""
     channels = channels_of(image, PLAIN)
-    dx, dy, values, levels, _ = steady_gradient(channels, PLAIN)
-    flat, _, _ = find_edges(dx, dy, values, PLAIN, levels)
-    return hard_share(channels, flat, values, dx, dy, levels.typical)
+    return hard_share(channels, find_edges(steady_gradient(channels, PLAIN), PLAIN))
 
 
 def test_all_steps_of_an_image_of_two_levels_are_hard():
@@ -37,7 +35,7 @@ def test_rendered_images_keep_their_blur():
         for kind in ("occluded", "overlapping"):
             for drawing in ("filled", "outlines"):
                 image = thesis_image(12, seed, kind=kind, drawing=drawing).image
-                assert smooth_edges(image, EdgeParams()).blur == EdgeParams().sigma
+                assert smooth_edges(image, EdgeParams()).gradient.blur == EdgeParams().sigma
 
 
 @pytest.mark.parametrize("radius", [4.5, 5, 8.5, 9, 10.5, 13, 17])

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geoprim_core.ecc import refined_candidates
 from geoprim_core.ecc.refined import trace_refined
-from geoprim_core.ecc.refined_candidates import (
+from geoprim_core.ecc.refined.candidates import (
     EXPLAINED_SHARE,
     LONG,
+    SOUND,
     USUAL_SHARE,
     allow_for_chance,
 )
-from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.ecc.refined.params import RefinedParams
 from geoprim_core.edges import extract_contours
 from geoprim_core.synthetic import render_ellipses, thesis_image
 from geoprim_core.types import Ellipses
@@ -63,8 +63,8 @@ def test_the_shift_is_the_same_for_all_that_is_made_of_pieces():
     picture = thesis_image(8, 7).image
     trace = trace_refined(extract_contours(picture))
     figures = trace.verified.figures.copy()
-    figures[:, 1] = refined_candidates.SOUND[0]
-    pieces = replace(trace.verified, figures=figures)
+    figures[:, 1] = SOUND[0]
+    pieces = trace.verified.weighed(figures)
     none = np.zeros(len(trace.edges.points), bool)
     after = allow_for_chance(trace.edges, trace.arcs, pieces, none, RefinedParams())
     shift = figures[:, 0] - after.figures[:, 0]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoprim_core.ecc import _kernels_refined_covariance as spread
-from geoprim_core.ecc import _kernels_refined_final as final
+from geoprim_core.ecc.refined import _kernels_covariance as spread
+from geoprim_core.ecc.refined import _kernels_final as final
 
 TURN = np.linspace(-np.pi, np.pi, 400, endpoint=False)
 DISC = np.array([50.0, 40.0, 40.0, 40.0, 0.0])

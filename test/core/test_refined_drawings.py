@@ -59,7 +59,7 @@ def test_thin_lines_that_noise_drowns_are_found_by_more_blur():
 
 def blur_of(image, **changes):
     params = EdgeParams().updated(changes)
-    return steady_gradient(channels_of(image, params), params)[-1]
+    return steady_gradient(channels_of(image, params), params).blur
 
 
 def test_the_blur_grows_further_only_where_noise_drowns_the_edges():

@@ -7,20 +7,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geoprim_core.ecc import _kernels_refined_arcs as arcs
-from geoprim_core.ecc import _kernels_refined_clutter as clutter
-from geoprim_core.ecc import _kernels_refined_conic as conic
-from geoprim_core.ecc import _kernels_refined_ends as ends
-from geoprim_core.ecc import _kernels_refined_final as final
-from geoprim_core.ecc import _kernels_refined_fit as fit
-from geoprim_core.ecc import _kernels_refined_mates as mates
-from geoprim_core.ecc import _kernels_refined_order as order
-from geoprim_core.ecc import _kernels_refined_outline as outline
-from geoprim_core.ecc import _kernels_refined_places as places_of
-from geoprim_core.ecc import _kernels_refined_refit as refit
-from geoprim_core.ecc import _kernels_refined_second_look as second_look
-from geoprim_core.ecc import _kernels_refined_stroke as stroke
-from geoprim_core.ecc import _kernels_refined_support as support
+from geoprim_core.ecc.refined import _kernels_arcs as arcs
+from geoprim_core.ecc.refined import _kernels_clutter as clutter
+from geoprim_core.ecc.refined import _kernels_conic as conic
+from geoprim_core.ecc.refined import _kernels_ends as ends
+from geoprim_core.ecc.refined import _kernels_final as final
+from geoprim_core.ecc.refined import _kernels_fit as fit
+from geoprim_core.ecc.refined import _kernels_mates as mates
+from geoprim_core.ecc.refined import _kernels_order as order
+from geoprim_core.ecc.refined import _kernels_outline as outline
+from geoprim_core.ecc.refined import _kernels_places as places_of
+from geoprim_core.ecc.refined import _kernels_refit as refit
+from geoprim_core.ecc.refined import _kernels_second_look as second_look
+from geoprim_core.ecc.refined import _kernels_stroke as stroke
+from geoprim_core.ecc.refined import _kernels_support as support
+from geoprim_core.ecc.refined._kernels_points import index_points
 
 ellipses = st.tuples(
     st.floats(-50, 8000),
@@ -144,11 +145,10 @@ def mates_of(edges, offsets, share=0.0, alone=0.93, least=10):
     points = np.concatenate([edge for edge, _ in edges])
     normals = np.concatenate([np.tile(normal, (len(edge), 1)) for edge, normal in edges])
     wide, high = np.ceil(points.max(axis=0)).astype(int) + 20
-    head, following = support.index_points(points, normals, wide, high)
+    index = index_points(points, normals, wide, high)
     closed = np.zeros(len(offsets) - 1, bool)
-    even = np.ones(len(points)), 0.7
-    place = (head, following, points, normals, *even)
-    return mates.find_mates(place, offsets, closed, 4.0, least, alone, share, 0.5)
+    search = second_look.MateSearch(index, np.ones(len(points)), 0.7, 4.0)
+    return mates.find_mates(search, offsets, closed, least, alone, share, 0.5)
 
 
 def level_edges(rows, length=30):
@@ -207,10 +207,10 @@ def test_what_a_normal_passes_by_is_found_beside_the_mate_of_the_neighbour():
     edges = (near, -down), (points[20:], down)
     gaps, _ = mates_of(edges, np.array([0, 20, 40]))
     assert not gaps.any()
-    head, following = support.index_points(points, normals, 60, 40)
     gaps[0, ::3] = 2.1
-    place = (head, following, points, normals, np.ones(40), 0.7)
-    second_look.complete_mates(place, 4.0, 0, 40, -1.0, gaps[0])
+    index = index_points(points, normals, 60, 40)
+    search = second_look.MateSearch(index, np.ones(40), 0.7, 4.0)
+    second_look.complete_mates(search, 0, 40, -1.0, gaps[0])
     assert np.allclose(gaps, [[2.1], [0.0]])
 
 
@@ -261,7 +261,7 @@ def test_ends_without_mates_and_gaps_at_any_distance_tell_otherwise():
 
 
 def evidence(share=0.6, rms=0.2, slant=0.1, length=200.0, outside=0.0, noise=(0.0, 0.0), ratio=0.5):
-    weights = np.array([1.3, *noise, 0.0, 0.5])
+    weights = support.Weights(1.3, 0.0, *noise, 0.5)
     return support.evidence_of(share, rms, slant, length, 40.0, ratio, 1.0, outside, weights)
 
 
@@ -324,16 +324,11 @@ def collected(points, normals, ellipse, stride=2.0, min_cos=0.96):
 
     That is the sums that go with them and the share of the ends of gaps that nothing explains.
     """
-    head, following = support.index_points(points, normals, 120, 100)
-    stamp, chosen = np.zeros(len(points), np.int32), np.empty(len(points) + 1, np.int64)
-    walk, sums = outline.new_walk(head, 100.0, len(points)), np.empty(outline.SUMS)
-    count = outline.collect(
-        head, following, points, normals, ellipse, stride, 2.0, min_cos, 0, stamp, 1, walk,
-        chosen, sums,
-    )  # fmt: skip
-    size = int(sums[outline.STEPS]) // 4
-    gaps = ends.unexplained_share(head, following, normals, ellipse, walk, size)
-    return chosen[:count], sums, gaps
+    edges = index_points(points, normals, 120, 100)
+    walk = outline.new_walk(edges, 100.0)
+    count = outline.collect(edges, ellipse, walk, stride, outline.Band(2.0, min_cos, 0, 1))
+    gaps = ends.unexplained_share(edges, ellipse, walk)
+    return walk.chosen[:count], walk.sums, gaps
 
 
 def upper_half(count=120):
@@ -386,13 +381,11 @@ def test_gaps_and_crossings_are_the_same_in_a_mirrored_image(seed, signs):
         places, across = origin + points * (sx, sy), normals * (sx, sy)
         turn = ellipse[4] if sx == sy else np.pi - ellipse[4]
         image = np.array([*(origin + ellipse[:2] * (sx, sy)), *ellipse[2:4], turn])
-        head, following = support.index_points(places, across, width, height)
+        index = index_points(places, across, width, height)
         _, _, gaps = collected(places, across, image, min_cos=0.83)
         claimed = np.zeros(400, bool)
-        count = clutter.count_crossings(
-            head, following, places, across, image, claimed, np.zeros(400, np.int64), 1,
-            np.ones(400), 1.0,
-        )  # fmt: skip
+        stamp = np.zeros(400, np.int64)
+        count = clutter.count_crossings(index, image, claimed, stamp, 1, np.ones(400), 1.0)
         figures.append((gaps, count))
     assert figures[0] == figures[1]
 
@@ -465,11 +458,9 @@ def count_of_line_through_circle(claimed, heights, full):
     circle = np.array([60.0, 50.0, 30.0, 30.0, 0.0])
     points = np.stack([np.arange(20.0, 100.0), np.full(80, 50.0)], axis=1)
     normals = np.tile([0.0, 1.0], (80, 1))
-    head, following = support.index_points(points, normals, 120, 100)
+    index = index_points(points, normals, 120, 100)
     stamp = np.zeros(80, np.int64)
-    return clutter.count_crossings(
-        head, following, points, normals, circle, claimed, stamp, 1, heights, full
-    )
+    return clutter.count_crossings(index, circle, claimed, stamp, 1, heights, full)
 
 
 def test_only_crossing_points_that_nothing_claims_are_counted():

@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geoprim_core.ecc import _kernels_refined_batch as batch
-from geoprim_core.ecc import _kernels_refined_fit as fit
-from geoprim_core.ecc import _kernels_refined_order as order
-from geoprim_core.ecc import _kernels_refined_pairs as pairs
+from geoprim_core.ecc.refined import _kernels_batch as batch
+from geoprim_core.ecc.refined import _kernels_fit as fit
+from geoprim_core.ecc.refined import _kernels_order as order
+from geoprim_core.ecc.refined import _kernels_pairs as pairs
 from geoprim_core.ecc.refined import trace_refined
-from geoprim_core.ecc.refined_arcs import gather_edges, split_arcs
-from geoprim_core.ecc.refined_candidates import pair_arcs
-from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.ecc.refined.arcs import gather_edges, split_arcs
+from geoprim_core.ecc.refined.candidates import pair_arcs
+from geoprim_core.ecc.refined.params import RefinedParams
 from geoprim_core.types import Contours
 
 FRAME = (900, 700)
@@ -55,7 +55,15 @@ def all_pairs(edges, arcs, params):
     table, found = arcs.table, {}
     work, pair, row = np.empty(batch.WORK), np.empty((1, 2), np.int64), np.empty((1, 6))
     samples = batch.sample_arcs(edges.points, arcs.indices, arcs.offsets)
-    signed = edges.signed and params.same_polarity
+    signed, slack = edges.signed and params.same_polarity, params.region_slack
+    rules = pairs.PairRules(
+        slack,
+        params.max_pair_rms,
+        params.min_pair_share,
+        params.max_size * edges.diagonal,
+        signed,
+        1,
+    )
     for i in range(len(table)):
         for j in range(i, len(table)):
             a, b = table[i], table[j]
@@ -63,15 +71,11 @@ def all_pairs(edges, arcs, params):
                 far = np.hypot(*(a[:2] - b[:2])) > 0.5 * (a[18] + b[18]) / params.min_pair_share
                 if far or (signed and a[16] != b[16]):
                     continue
-                slack = params.region_slack
                 if not (pairs.sees(a, b, slack) and pairs.sees(b, a, slack)):
                     continue
             other = j if j > i else -1
-            if batch.fit_pairs(
-                samples, table, arcs.moments, np.array([i]), np.array([other]), 1,
-                params.max_pair_rms, params.max_size * edges.diagonal, params.min_pair_share,
-                work, pair, row,
-            ):  # fmt: skip
+            both = np.array([[i], [other]])
+            if batch.fit_pairs(samples, table, arcs.moments, both, 1, rules, work, pair, row):
                 found[i, other] = tuple(row[0].tolist())
     return found
 

@@ -6,8 +6,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geoprim_core.ecc import _kernels_refined_select as select
-from geoprim_core.ecc import _kernels_refined_support as support
+from geoprim_core.ecc.refined import _kernels_select as select
+from geoprim_core.ecc.refined import _kernels_support as support
+from geoprim_core.ecc.refined._kernels_points import index_points
 
 SIZE = 120
 REACH, LEAST, MOST, WEAKEST, WOVEN = 1.5, 0.6, 0.8, 0.0, 0.2
@@ -37,11 +38,12 @@ def drawn(seed, count):
     return np.concatenate(points), np.concatenate(normals), rows, figures, offsets
 
 
-def plain(head, following, points, normals, rows, figures, offsets, members):
+def plain(edges, verified):
     """Choose the strongest, look at every other again, and so on."""
+    rows, figures, offsets, members = verified
     strength = figures[:, 5] * np.sqrt(figures[:, 1]) / (1 + 2 * figures[:, 3])
     alive = figures[:, 0] >= WEAKEST
-    claimed = np.zeros(len(points), bool)
+    claimed = np.zeros(len(edges.points), bool)
     chosen = []
     while True:
         value = np.zeros(len(rows))
@@ -56,18 +58,17 @@ def plain(head, following, points, normals, rows, figures, offsets, members):
         best = int(np.argmax(value))
         alive[best] = False
         chosen.append(best)
-        select.claim(head, following, points, normals, rows[best], REACH, claimed)
+        select.claim(edges, rows[best], REACH, claimed)
 
 
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 40))
 def test_the_heap_chooses_what_the_plain_greedy_selection_does_in_its_order(seed, count):
     points, normals, rows, figures, offsets = drawn(seed, count)
-    head, following = support.index_points(points, normals, SIZE, SIZE)
-    members = np.arange(len(points))
-    given_to_both = (head, following, points, normals, rows, figures, offsets, members)
-    chosen, outcome, _ = select.select(*given_to_both, WEAKEST, REACH, LEAST, MOST, WOVEN)
-    assert chosen.tolist() == plain(*given_to_both)
+    edges = index_points(points, normals, SIZE, SIZE)
+    verified = support.Supported(rows, figures, offsets, np.arange(len(points)))
+    chosen, outcome, _ = select.select(edges, verified, WEAKEST, REACH, LEAST, MOST, WOVEN)
+    assert chosen.tolist() == plain(edges, verified)
     assert np.flatnonzero(outcome == select.CHOSEN).tolist() == sorted(chosen.tolist())
     assert np.array_equal(outcome == select.WEAK, figures[:, 0] < WEAKEST)
 

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geoprim_core.ecc import _kernels_refined_thirds as thirds
+from geoprim_core.ecc.refined import _kernels_thirds as thirds
+from geoprim_core.ecc.refined._kernels_support import Supported
 
 TURNS = (
     np.array([[0.0, -1.0], [1.0, 0.0]]),
@@ -71,8 +72,7 @@ def test_evidence_falls_with_the_rest_that_is_extrapolated():
     figures[:, 1:3] = np.array([[0.4], [0.8], [1.0], [0.4]])
     members = np.tile(np.arange(len(points)), 4)
     offsets = np.arange(5) * len(points)
-    told = thirds.doubt_predictions(points, ellipses, figures, offsets, members, 0.005, 8.0, 0.0)[
-        :, 0
-    ]
+    found = Supported(ellipses, figures, offsets, members)
+    told = thirds.doubt_predictions(points, found, 0.005, 8.0, 0.0)[:, 0]
     assert told[0] < told[1] < told[2] == 3.0
     assert told[3] == -3.0

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from geoprim_core.ecc import detect_ellipses
-from geoprim_core.ecc._kernels_refined_covariance import BLUR_DOUBT
 from geoprim_core.ecc.refined import OUTCOMES, detect_refined, select, trace_refined
-from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core.ecc.refined._kernels_covariance import BLUR_DOUBT
+from geoprim_core.ecc.refined.params import RefinedParams
 from geoprim_core.edges import EdgeParams, extract_contours
 from geoprim_core.errors import InputError, ParameterError
 from geoprim_core.evaluation import match_ellipses

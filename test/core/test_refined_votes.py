@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geoprim_core.ecc import DetectorParams, detect_ellipses
-from geoprim_core.ecc import _kernels_refined_votes as votes
-from geoprim_core.ecc._kernels_refined_support import index_points
-from geoprim_core.ecc.refined_arcs import gather_edges
+from geoprim_core.ecc.refined import _kernels_votes as votes
+from geoprim_core.ecc.refined._kernels_points import index_points
+from geoprim_core.ecc.refined.arcs import gather_edges
 from geoprim_core.edges import extract_contours
 from geoprim_core.evaluation import match_ellipses
 from geoprim_core.synthetic import circles_image
@@ -34,8 +34,7 @@ def scattered(seed, circles, clutter=400):
 
 
 def voted(points, normals, width=WIDTH, height=HEIGHT, most=16.0):
-    head, following = index_points(points, normals, width, height)
-    return votes.circles_by_votes(head, following, points, normals, most)
+    return votes.circles_by_votes(index_points(points, normals, width, height), most)
 
 
 @settings(max_examples=25, deadline=None)

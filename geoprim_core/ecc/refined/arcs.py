@@ -8,14 +8,14 @@ from operator import itemgetter
 
 import numpy as np
 
-from geoprim_core._check import FloatArray, IntArray
-from geoprim_core.ecc import _kernels_refined_arcs as _arcs
-from geoprim_core.ecc import _kernels_refined_mates as _mates
-from geoprim_core.ecc import _kernels_refined_split as _split
-from geoprim_core.ecc import _kernels_refined_stroke as _stroke
-from geoprim_core.ecc._kernels_refined_outline import Int32Array
-from geoprim_core.ecc._kernels_refined_support import index_points
-from geoprim_core.ecc.refined_params import RefinedParams
+from geoprim_core._check import FloatArray, Int32Array, IntArray
+from geoprim_core.ecc.refined import _kernels_arcs as _arcs
+from geoprim_core.ecc.refined import _kernels_mates as _mates
+from geoprim_core.ecc.refined import _kernels_split as _split
+from geoprim_core.ecc.refined import _kernels_stroke as _stroke
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex, index_points
+from geoprim_core.ecc.refined._kernels_second_look import MateSearch
+from geoprim_core.ecc.refined.params import RefinedParams
 from geoprim_core.types import Contours
 
 SOBEL_VARIANCE = 0.5  # of the Sobel filter as a blur, in square pixels
@@ -30,26 +30,17 @@ _PICTURE_BLUR = 0.7  # pixels, the least that lines show of the blur of a pictur
 _ALIKE = 0.5  # pixels between the width of a line and that of most: other gaps vary
 
 
-_Place = tuple[Int32Array, Int32Array, FloatArray, FloatArray]
-"""head, following, points, normals."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgePoints:
     """All edge points of an image and where to find them.
 
     Attributes
     ----------
-    points : (N, 2) float64
-        Positions in pixels; with strokes, moved to the stroke's centre line.
-    normals : (N, 2) float64
-        Unit vectors along the gradient, from dark to bright.
+    index : EdgeIndex
+        Positions, those of the edges of drawn lines moved to the line's middle; normals; and which
+        points are in each pixel.
     offsets : (K + 1,) int64
         Contour k is `points[offsets[k]:offsets[k + 1]]`.
-    head : (H, W) int32
-        The first edge point of every pixel, -1 for none.
-    following : (N,) int32
-        The next point in the same pixel, -1 for none.
     heights : (N,) float64
         Length of the grey-level gradient in grey levels per pixel; ones where it is not known.
     stroke : (N,) float64
@@ -67,17 +58,29 @@ class EdgePoints:
         How soft edges typically are: see `Contours.softness`.
     """
 
-    points: FloatArray
-    normals: FloatArray
+    index: EdgeIndex
     offsets: IntArray
-    head: Int32Array
-    following: Int32Array
     heights: FloatArray
     stroke: FloatArray
     signed: bool
     spread: float
     line_spread: float = 0.0
     softness: float = math.nan
+
+    @property
+    def points(self) -> FloatArray:
+        """Positions (N, 2) in pixels."""
+        return self.index.points
+
+    @property
+    def normals(self) -> FloatArray:
+        """Unit vectors (N, 2) along the gradient, from dark to bright."""
+        return self.index.normals
+
+    @property
+    def head(self) -> Int32Array:
+        """The first edge point (H, W) of every pixel, -1 for none."""
+        return self.index.head
 
     @property
     def noisiness(self) -> float:
@@ -118,8 +121,9 @@ class SmoothArcs:
         Indices of edge points, in order along each arc.
     offsets : (A + 1,) int64
         Arc k is `indices[offsets[k]:offsets[k + 1]]`.
-    table : (A, 20) float64
-        Middle, ends, inner normals, chord, polarity, height, number of points and radius.
+    table : (A, 19) float64
+        Middle, ends, inner normals, chord, polarity, height and number of points; the columns
+        have names in `_kernels_arcs`.
     moments : (A, 25) float64
         Sums of x^p y^q about the middle at [5 p + q], p + q <= 4.
     """
@@ -152,30 +156,26 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
     counts: it parts two different grounds, so that one edge is higher than the other
     (`stroke_evenness`).
     """
-    width, height = _frame(contours)
+    size = _frame(contours)
     points = contours.positions
     normals = _normals(contours)
     signed = contours.gradient_angle is not None
-    head, following = index_points(points, normals, width, height)
+    index = index_points(points, normals, *size)
     heights = contours.gradient_magnitude
     if heights is None:
         heights = np.ones(len(points))
     stroke, moved = np.zeros(len(points)), 0
     if signed and len(points) and max(params.stroke_reach, params.drawing_reach) > 0.0:
-        place = (head, following, points, normals)
-        stroke, moved = _stroke_widths(place, heights, contours, params)
+        stroke, moved = _stroke_widths(index, heights, contours, params)
     if moved:
         points = points + (0.5 * stroke)[:, np.newaxis] * normals
-        head, following = index_points(points, normals, width, height)
+        index = index_points(points, normals, *size)
     located = signed and contours.subpixel is not None and not math.isnan(contours.blur)
     spread = contours.blur**2 + SOBEL_VARIANCE if located else 0.0
     signed = signed and 2 * moved <= len(points)
     return EdgePoints(
-        points,
-        normals,
+        index,
         contours.offsets,
-        head,
-        following,
         heights,
         stroke,
         signed,
@@ -186,16 +186,16 @@ def gather_edges(contours: Contours, params: RefinedParams) -> EdgePoints:
 
 
 def _stroke_widths(
-    place: _Place, heights: FloatArray, contours: Contours, params: RefinedParams
+    index: EdgeIndex, heights: FloatArray, contours: Contours, params: RefinedParams
 ) -> tuple[FloatArray, int]:
     """Return the signed width of the line that each point is on, 0 for none, and how many are."""
     shown = _shown_share(contours)
     alone, reach, within = params.stroke_alone * shown, params.stroke_reach, _ALIKE / shown
+    widest = max(reach, params.drawing_reach, _soft_reach(contours, params))
     gaps, drawn = _mates.find_mates(
-        (*place, heights, params.stroke_evenness),
+        MateSearch(index, heights, params.stroke_evenness, widest),
         contours.offsets,
         contours.closed,
-        max(reach, params.drawing_reach, _soft_reach(contours, params)),
         params.min_arc if params.second_look else len(contours.points) + 1,
         alone,
         params.stroke_share * shown,

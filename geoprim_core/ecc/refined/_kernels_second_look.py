@@ -1,26 +1,46 @@
-"""Kernels of step 4 of the `refined` scheme: mates of edges that a normal passes by."""
+"""Kernels of the `refined` scheme, strokes: mates of edges that a normal passes by."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from geoprim_core._check import FloatArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_outline import Int32Array
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
 
-Edges = tuple[Int32Array, Int32Array, FloatArray, FloatArray, FloatArray, float]
-"""First point of each pixel, the next one in it, points, normals, heights, least ratio of these."""
-
+OPPOSITE = -0.9  # cosine of the angle between the normals of mates, at most
 LIKE_NEIGHBOUR = 0.75  # pixels between the distances to the mates of two neighbours
+
+
+class MateSearch(NamedTuple):
+    """Among which edges mates are looked for.
+
+    Attributes
+    ----------
+    edges : EdgeIndex
+    heights : (N,) float64
+        Magnitudes of the gradient at the edge points.
+    evenness : float
+        Least ratio of the heights of two mates.
+    reach : float
+        Largest distance of two mates in pixels.
+    """
+
+    edges: EdgeIndex
+    heights: FloatArray
+    evenness: float
+    reach: float
 
 
 @inner_kernel
 def mate_near(
-    edges: Edges,
-    reach: float,
+    search: MateSearch,
     k: int,
     gap: float,
 ) -> float:
     """Return the signed distance from a point to an opposite edge about `gap` away, else 0."""
-    head, following, points, normals, heights, evenness = edges
+    head, following, points, normals = search.edges
+    heights, evenness = search.heights, search.evenness
     height, width = head.shape
     nx, ny = normals[k, 0], normals[k, 1]
     x, y = points[k, 0], points[k, 1]
@@ -33,8 +53,8 @@ def mate_near(
                 along = (points[p, 0] - x) * nx + (points[p, 1] - y) * ny
                 dot = normals[p, 0] * nx + normals[p, 1] * ny
                 low, high = min(heights[p], heights[k]), max(heights[p], heights[k])
-                even = low >= evenness * high
-                if even and dot < -0.9 and abs(along - gap) < nearest and abs(along) < reach:
+                mate = low >= evenness * high and dot < OPPOSITE and abs(along) < search.reach
+                if mate and abs(along - gap) < nearest:
                     found, nearest = along, abs(along - gap)
                 p = following[p]
     return found
@@ -42,8 +62,7 @@ def mate_near(
 
 @inner_kernel
 def follow_mates(
-    edges: Edges,
-    reach: float,
+    search: MateSearch,
     first: int,
     step: int,
     sign: float,
@@ -54,13 +73,12 @@ def follow_mates(
         k = m if step > 0 else len(gaps) - 1 - m
         if gaps[k] == 0.0 and gaps[k - step] != 0.0:
             gap = sign * gaps[k - step]
-            gaps[k] = abs(mate_near(edges, reach, first + k, gap))
+            gaps[k] = abs(mate_near(search, first + k, gap))
 
 
 @kernel
 def complete_mates(
-    edges: Edges,
-    reach: float,
+    search: MateSearch,
     first: int,
     last: int,
     sign: float,
@@ -74,8 +92,8 @@ def complete_mates(
     """
     own = gaps[first:last]
     there, back = own.copy(), own.copy()
-    follow_mates(edges, reach, first, 1, sign, there)
-    follow_mates(edges, reach, first, -1, sign, back)
+    follow_mates(search, first, 1, sign, there)
+    follow_mates(search, first, -1, sign, back)
     for k in range(len(own)):
         both = there[k] > 0.0 and back[k] > 0.0
         own[k] = min(there[k], back[k]) if both else max(there[k], back[k])

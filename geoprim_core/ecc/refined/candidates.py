@@ -8,14 +8,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
-from geoprim_core.ecc import _kernels_refined_clutter as _clutter
-from geoprim_core.ecc import _kernels_refined_pairs as _pairs
-from geoprim_core.ecc import _kernels_refined_verify as _verify
-from geoprim_core.ecc import _kernels_refined_votes as _votes
-from geoprim_core.ecc._kernels_refined_order import best_first
-from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs
-from geoprim_core.ecc.refined_params import RefinedParams
-from geoprim_core.ecc.refined_score import SCORE_MAP
+from geoprim_core.ecc.refined import _kernels_clutter as _clutter
+from geoprim_core.ecc.refined import _kernels_pairs as _pairs
+from geoprim_core.ecc.refined import _kernels_verify as _verify
+from geoprim_core.ecc.refined import _kernels_votes as _votes
+from geoprim_core.ecc.refined._kernels_arcs import POLARITY
+from geoprim_core.ecc.refined._kernels_few import PairRules
+from geoprim_core.ecc.refined._kernels_improve import Rules
+from geoprim_core.ecc.refined._kernels_order import best_first
+from geoprim_core.ecc.refined._kernels_support import (
+    COVERAGE,
+    EVIDENCE,
+    LENGTH,
+    TURN_COVERAGE,
+    Supported,
+    Weights,
+)
+from geoprim_core.ecc.refined.arcs import EdgePoints, SmoothArcs
+from geoprim_core.ecc.refined.params import RefinedParams
+from geoprim_core.ecc.refined.score import SCORE_MAP
 
 USUAL_SHARE = 0.3
 """Share of the smooth arcs on no accepted ellipse up to which evidence stays as it is."""
@@ -65,15 +76,8 @@ class Verified:
 
     Attributes
     ----------
-    ellipses : (V, 5) float64
-    figures : (V, 8) float64
-        Evidence (log odds), coverage, covered share of the turn, rms distance, points across the
-        outline per supporting one, supported length in pixels, share of the ends of the support
-        at which a contour goes on elsewhere, share of the ends of gaps that no edge crosses.
-    offsets : (V + 1,) int64
-        The support of ellipse k is `support[offsets[k]:offsets[k + 1]]`.
-    support : (S,) int64
-        Indices of edge points.
+    supported : Supported
+        The ellipses, their figures and their support.
     source : (V,) int64
         The candidate that each came from.
     walked : int
@@ -82,10 +86,7 @@ class Verified:
         False where `max_candidates` left candidates out.
     """
 
-    ellipses: FloatArray
-    figures: FloatArray
-    offsets: IntArray
-    support: IntArray
+    supported: Supported
     source: IntArray
     walked: int
     complete: bool
@@ -95,21 +96,35 @@ class Verified:
         return len(self.ellipses)
 
     @property
+    def ellipses(self) -> FloatArray:
+        """The ellipses (V, 5)."""
+        return self.supported.ellipses
+
+    @property
+    def figures(self) -> FloatArray:
+        """What the support tells of each ellipse (V, 8), see `Supported`."""
+        return self.supported.figures
+
+    @property
+    def offsets(self) -> IntArray:
+        """Where the support (V + 1,) of each ellipse starts."""
+        return self.supported.offsets
+
+    @property
+    def support(self) -> IntArray:
+        """Indices of the supporting edge points (S,) of all ellipses."""
+        return self.supported.support
+
+    @property
     def score(self) -> FloatArray:
         """The probability that each ellipse is right, by its evidence."""
-        return SCORE_MAP.probability(self.figures[:, 0])
+        return SCORE_MAP.probability(self.figures[:, EVIDENCE])
 
     def weighed(self, figures: FloatArray) -> Verified:
         """Return the same ellipses with other figures."""
-        return Verified(
-            self.ellipses,
-            figures,
-            self.offsets,
-            self.support,
-            self.source,
-            self.walked,
-            self.complete,
-        )
+        ellipses, _, offsets, support = self.supported
+        supported = Supported(ellipses, figures, offsets, support)
+        return Verified(supported, self.source, self.walked, self.complete)
 
 
 def pair_arcs(edges: EdgePoints, arcs: SmoothArcs, params: RefinedParams) -> Candidates:
@@ -129,18 +144,16 @@ def pair_arcs(edges: EdgePoints, arcs: SmoothArcs, params: RefinedParams) -> Can
     Thesis 5.4.1 (search region), 5.4.2 (associated convexity); Halir and Flusser, Numerically
     stable direct least squares fitting of ellipses (1998).
     """
+    rules = PairRules(
+        slack=params.region_slack,
+        max_rms=params.max_pair_rms,
+        min_share=params.min_pair_share,
+        max_semi_major=params.max_size * edges.diagonal,
+        signed=edges.signed and params.same_polarity,
+        max_pairs=params.max_pairs,
+    )
     members, values, looked, possible, share = _pairs.pair_arcs(
-        edges.points,
-        arcs.indices,
-        arcs.offsets,
-        arcs.table,
-        arcs.moments,
-        params.region_slack,
-        params.max_pair_rms,
-        params.min_pair_share,
-        params.max_size * edges.diagonal,
-        edges.signed and params.same_polarity,
-        params.max_pairs,
+        edges.points, arcs.indices, arcs.offsets, arcs.table, arcs.moments, rules
     )
     complete = share <= params.min_pair_share
     return Candidates(*best_first(members, values), int(looked), int(possible), share, complete)
@@ -159,9 +172,7 @@ def vote(edges: EdgePoints, candidates: Candidates, params: RefinedParams) -> Ca
     """
     if not (params.vote_radius > 0.0 and edges.noisiness > 0.0):
         return candidates
-    circles, counts = _votes.circles_by_votes(
-        edges.head, edges.following, edges.points, edges.normals, params.vote_radius
-    )
+    circles, counts = _votes.circles_by_votes(edges.index, params.vote_radius)
     order = np.argsort(-counts, kind="stable")
     return replace(
         candidates,
@@ -182,29 +193,50 @@ def verify(
 
     The thesis judges a hypothesis by the arcs that made it (5.5.2).
     """
-    ellipses, figures, offsets, support, source, walked = _verify.verify(
-        edges.head,
-        edges.following,
-        edges.points,
-        edges.normals,
+    supported, source, walked = _verify.verify(
+        edges.index,
+        edges.offsets,
         arcs.indices,
         arcs.offsets,
-        edges.offsets,
-        arcs.table,
+        arcs.table[:, POLARITY].copy(),
         candidates.arcs,
         candidates.ellipses,
-        _limits(edges, params),
-        edges.signed and params.same_polarity,
-        params.weak_claims,
-        SCORE_MAP.evidence_of(params.claim_score),
-        SCORE_MAP.evidence_of(params.min_score),
-        params.refit_margin,
-        params.max_tries,
-        params.max_candidates,
+        _rules(edges, params),
     )
     complete = walked <= params.max_candidates
     walked = min(int(walked), params.max_candidates)
-    return Verified(ellipses, figures, offsets, support, source, walked, complete)
+    return Verified(supported, source, walked, complete)
+
+
+def _rules(edges: EdgePoints, params: RefinedParams) -> Rules:
+    """Return what an ellipse has to meet in an image: noise and line drawings relax some of it."""
+    noise = edges.noisiness
+    weights = Weights(
+        whole=params.whole_weight,
+        small=params.small_weight * max(0.0, 1.0 - 2.0 * noise) * edges.signed,
+        noise_scatter=params.noise_scatter * noise,
+        noise_gaps=params.noise_gaps * noise,
+        round_scatter=params.round_scatter,
+    )
+    return Rules(
+        reach=params.reach,
+        reach_growth=params.reach_growth,
+        reach_spread=params.reach_spread,
+        min_cosine=math.cos(math.radians(params.max_normal_angle)),
+        min_coverage=params.min_coverage,
+        min_in_frame=params.min_in_frame,
+        max_semi_major=params.max_size * edges.diagonal,
+        min_semi_minor=params.min_semi_minor,
+        end_weight=params.end_weight,
+        weights=weights,
+        hope=SCORE_MAP.evidence_of(params.min_score),
+        refit_margin=params.refit_margin,
+        sure=SCORE_MAP.evidence_of(params.claim_score),
+        weak_claims=params.weak_claims,
+        signed=edges.signed and params.same_polarity,
+        max_tries=params.max_tries,
+        max_candidates=params.max_candidates,
+    )
 
 
 def explain_crossings(
@@ -218,14 +250,8 @@ def explain_crossings(
     if not params.explain_crossings:
         return verified
     figures = _clutter.explain_crossings(
-        edges.head,
-        edges.following,
-        edges.points,
-        edges.normals,
-        verified.ellipses,
-        verified.figures,
-        verified.offsets,
-        verified.support,
+        edges.index,
+        verified.supported,
         explained,
         edges.heights,
         params.crossing_height,
@@ -254,44 +280,23 @@ def allow_for_chance(
     """
     if not (max(params.chance_weight, params.explained_weight) > 0.0 and len(arcs.indices)):
         return verified
-    share = 1.0 - float(np.mean(explained[arcs.indices]))
+    share = 1.0 - np.count_nonzero(explained[arcs.indices]) / len(arcs.indices)
     figures = verified.figures.copy()
     gain = params.explained_weight * edges.vagueness * max(0.0, 1.0 - share / EXPLAINED_SHARE)
-    figures[:, 0] += gain * _rising(figures[:, 5], LONG)
-    whole = _rising(np.minimum(figures[:, 1], figures[:, 2]), SOUND)
+    figures[:, EVIDENCE] += gain * _rising(figures[:, LENGTH], LONG)
+    whole = _rising(np.minimum(figures[:, COVERAGE], figures[:, TURN_COVERAGE]), SOUND)
     whole *= max(0.0, 1.0 - edges.noisiness)
     round_ = _rising(verified.ellipses[:, 3] / verified.ellipses[:, 2], SOUND)
     doubt = params.chance_weight * max(0.0, share - USUAL_SHARE)
-    figures[:, 0] -= doubt * (1.0 - whole * round_)
+    figures[:, EVIDENCE] -= doubt * (1.0 - whole * round_)
     return verified.weighed(figures)
 
 
 def _rising(value: FloatArray, limits: tuple[float, float]) -> FloatArray:
     """Return 0 up to the first limit, 1 from the second, and on a line in between."""
-    result: FloatArray = np.clip((value - limits[0]) / (limits[1] - limits[0]), 0.0, 1.0)
-    return result
-
-
-def _limits(edges: EdgePoints, params: RefinedParams) -> FloatArray:
-    """Return the limits in the order that the kernel names."""
-    return np.array(
-        [
-            params.reach,
-            params.reach_growth,
-            math.cos(math.radians(params.max_normal_angle)),
-            params.min_coverage,
-            params.min_in_frame,
-            params.max_size * edges.diagonal,
-            params.min_semi_minor,
-            params.end_weight,
-            params.reach_spread,
-            params.whole_weight,
-            params.noise_scatter * edges.noisiness,
-            params.noise_gaps * edges.noisiness,
-            params.small_weight * max(0.0, 1.0 - 2.0 * edges.noisiness) * edges.signed,
-            params.round_scatter,
-        ]
-    )
+    # On a few numbers np.clip takes three times as long.
+    share: FloatArray = (value - limits[0]) / (limits[1] - limits[0])
+    return np.minimum(np.maximum(share, 0.0), 1.0)
 
 
 def what_was_left_out(candidates: Candidates, verified: Verified, params: RefinedParams) -> str:

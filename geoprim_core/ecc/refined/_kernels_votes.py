@@ -5,13 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
-from geoprim_core._check import FloatArray, IntArray
-from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_outline import Int32Array
-
-Int16Array = npt.NDArray[np.int16]
+from geoprim_core._check import FloatArray, Int16Array, IntArray
+from geoprim_core._jit import inner_kernel, kernel
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
 
 CELL = 2.0  # pixels of a bin
 LEAST_RADIUS = 4.0  # pixels
@@ -20,6 +17,8 @@ FACING = 0.64  # least square of the cosine between the normal of a point and it
 APART = 3.0  # pixels between the radii of two circles around one centre
 BANDS = (2.0, 1.5)  # pixels either side of the circle that the points of two fits are in
 LEAST_SHARE = 0.45  # points for each pixel of the outline
+LEAST_POINTS = 6.0  # that a circle is fitted to
+ALONG_LINE = 1e-3  # of the squared spread of points, below which they lie along a line
 ROOM = 1024  # points around a centre
 CIRCLES = 2  # around one centre, as in a target
 
@@ -96,12 +95,9 @@ def find_peaks(votes: Int16Array, width: int, height: int, least: int) -> FloatA
     return peaks[:size]
 
 
-@kernel
+@inner_kernel
 def gather_facing(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
+    edges: EdgeIndex,
     x: float,
     y: float,
     near: IntArray,
@@ -111,8 +107,9 @@ def gather_facing(
 
     Those nearer than `tally` is long, as far as `near` has room.
     """
+    head, following, points, normals = edges
     height, width = head.shape
-    flat = head.ravel()
+    flat = head.reshape(head.size)
     reach = len(tally)
     first, last = max(0, int(x) - reach), min(width, int(x) + reach + 2)
     tally[:] = 0
@@ -165,13 +162,13 @@ def fit_circle(points: FloatArray, near: IntArray, circle: FloatArray, band: flo
         if low <= z <= high:
             n, mu, mv = n + 1.0, mu + u, mv + v
             uu, uv, vv, uz, vz = uu + u * u, uv + u * v, vv + v * v, uz + u * z, vz + v * z
-    if n < 6.0:
+    if n < LEAST_POINTS:
         return 0
     mu, mv, mz = mu / n, mv / n, (uu + vv) / n
     uu, uv, vv = uu / n - mu * mu, uv / n - mu * mv, vv / n - mv * mv
     uz, vz = uz / n - mu * mz, vz / n - mv * mz
     det = uu * vv - uv * uv
-    if det <= 1e-3 * (uu + vv) ** 2:  # the points lie along a line
+    if det <= ALONG_LINE * (uu + vv) ** 2:
         return 0
     a, b = 0.5 * (uz * vv - vz * uv) / det, 0.5 * (vz * uu - uz * uv) / det
     circle[0], circle[1] = circle[0] + a, circle[1] + b
@@ -180,19 +177,18 @@ def fit_circle(points: FloatArray, near: IntArray, circle: FloatArray, band: flo
 
 
 @kernel
-def circles_by_votes(
-    head: Int32Array, following: Int32Array, points: FloatArray, normals: FloatArray, most: float
-) -> tuple[FloatArray, IntArray]:
+def circles_by_votes(edges: EdgeIndex, most: float) -> tuple[FloatArray, IntArray]:
     """Return circles (n, 5), as ellipses, of at most about `most` pixels radius, and their points.
 
     Their centres are where many edge points put one, whichever contours these are on; two circles
     may have the same.
     """
-    height, width = head.shape
+    points = edges.points
+    height, width = edges.head.shape
     steps = int((most - LEAST_RADIUS) / CELL) + 1
     chance = 9.0 * 2.0 * steps * len(points) * CELL * CELL / (width * height)
     least = int(chance + ABOVE_CHANCE * math.sqrt(chance))
-    votes = cast_votes(points, normals, width, height, steps)
+    votes = cast_votes(points, edges.normals, width, height, steps)
     peaks = find_peaks(votes, width, height, least)
     near = np.empty(ROOM, np.int64)
     tally = np.zeros(int(most) + 3, np.int64)
@@ -202,7 +198,7 @@ def circles_by_votes(
     found = 0
     for k in range(len(peaks)):
         x, y = peaks[k, 0], peaks[k, 1]
-        around = near[: gather_facing(head, following, points, normals, x, y, near, tally)]
+        around = near[: gather_facing(edges, x, y, near, tally)]
         radius = 0.0
         for _ in range(CIRCLES):
             radius = radius_of(tally, radius)

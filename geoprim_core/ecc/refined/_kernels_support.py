@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_of
-from geoprim_core.ecc._kernels_refined_outline import (
+from geoprim_core.ecc.refined._kernels_fit import offset_of
+from geoprim_core.ecc.refined._kernels_outline import (
     COVERED,
     CROSSING,
     IN_FRAME,
@@ -18,11 +19,9 @@ from geoprim_core.ecc._kernels_refined_outline import (
     TURN,
     TURN_COVERED,
     TURNED,
-    Int32Array,
 )
-from geoprim_core.ecc._kernels_refined_refit import MAD
+from geoprim_core.ecc.refined._kernels_refit import MAD
 
-TINY = 1e-9  # pixels
 NEARLY_WHOLE = (0.7, 0.9)  # shares of the outline from which it counts as whole, a little and fully
 ROUND_BY_CHANCE = (3.0, 5.0)  # semi-minor axes in pixels at which any blob is round, and no longer
 EVEN = (0.03, 0.015)  # scatter in semi-minor axes from which a whole outline counts, and fully
@@ -31,38 +30,65 @@ FEW_PIXELS = (40.0, 60.0)  # lengths of an outline in pixels up to which it is s
 SLANTED = (0.05, 0.1)  # radians between gradients and normals from which they disagree, and fully
 ROUND = (0.9, 0.95)  # ratio of the axes from which an outline is round, a little and fully
 
-# Entries of the array of weights that `evidence_of` takes.
-WHOLE_WEIGHT, NOISE_SCATTER, NOISE_GAPS, SMALL_WEIGHT, ROUND_SCATTER = range(5)
+# Weights of the evidence: of a logistic regression.
+SUPPORT_WEIGHT = 3.7  # of the logarithm of the aligned length
+SCATTER_WEIGHT = 16.0  # of the scatter in pixels, over the unsupported rest of the outline
+OUTSIDE_WEIGHT = 30.0  # of the share beyond the image, over that rest
+GOING_ON_WEIGHT, UNEXPLAINED_WEIGHT = 11.5, 7.0  # of both kinds of ends, over that rest
+CLUTTER_WEIGHT = 8.0  # of the points across for each along, over that rest
+NO_SUPPORT = -17.7  # evidence of nothing
+LEAST_RMS, LEAST_SLANT = 0.05, 0.03  # pixels, radians: closer alignment is hardly better
+LEAST_ALIGNED = 0.1  # that each pixel counts, however badly aligned
+
+# Columns of the figures of an ellipse, see `Supported`.
+EVIDENCE, COVERAGE, TURN_COVERAGE, RMS, ACROSS_EACH, LENGTH, GOING_ON, UNEXPLAINED = range(8)
+FIGURES = 8
 
 
-@kernel
-def index_points(
-    points: FloatArray, normals: FloatArray, width: int, height: int
-) -> tuple[Int32Array, Int32Array]:
-    """Return, for every pixel, the first edge point in it (-1: none) and each point's successor.
+class Supported(NamedTuple):
+    """Ellipses with the support that all edge points give them.
 
-    Of two pixels as near that on the brighter side has the point, whichever way the image is
-    turned: where the edge lies half a pixel from its pixel, many points are in between.
+    Attributes
+    ----------
+    ellipses : (V, 5) float64
+    figures : (V, 8) float64
+        Evidence (log odds), coverage, covered share of the turn, rms distance, points across the
+        outline per supporting one, supported length in pixels, share of the ends of the support
+        at which a contour goes on elsewhere, share of the ends of gaps that no edge crosses.
+    offsets : (V + 1,) int64
+        The support of ellipse k is `support[offsets[k]:offsets[k + 1]]`.
+    support : (S,) int64
+        Indices of edge points.
     """
-    head = np.full((height, width), -1, np.int32)
-    following = np.full(len(points), -1, np.int32)
-    for k in range(len(points) - 1, -1, -1):
-        x = int(math.floor(points[k, 0] + TINY * normals[k, 0] + 0.5))
-        y = int(math.floor(points[k, 1] + TINY * normals[k, 1] + 0.5))
-        if 0 <= x < width and 0 <= y < height:
-            following[k] = head[y, x]
-            head[y, x] = k
-    return head, following
+
+    ellipses: FloatArray
+    figures: FloatArray
+    offsets: IntArray
+    support: IntArray
 
 
-@kernel
-def arcs_of_points(order: IntArray, ends: IntArray, total: int) -> IntArray:
-    """Return for each of `total` points the arc that it is on, -1 for none."""
-    arc_of = np.full(total, -1, np.int64)
-    for i in range(len(ends) - 1):
-        for k in range(ends[i], ends[i + 1]):
-            arc_of[order[k]] = i
-    return arc_of
+class Weights(NamedTuple):
+    """What parts of the evidence count for, in the image at hand.
+
+    Attributes
+    ----------
+    whole : float
+        Evidence that an outline adds which is even and whole or nearly so.
+    small : float
+        Evidence that one of few pixels loses where gradients are not along its normals.
+    noise_scatter : float
+        Scatter in pixels that is no misfit, as noise makes it.
+    noise_gaps : float
+        Share of an outline that noise hides.
+    round_scatter : float
+        Share of the scatter of a whole and round outline that is no misfit.
+    """
+
+    whole: float
+    small: float
+    noise_scatter: float
+    noise_gaps: float
+    round_scatter: float
 
 
 @kernel
@@ -81,7 +107,7 @@ def evidence_of(
     ratio: float,
     growth: float,
     outside: float,
-    weights: FloatArray,
+    weights: Weights,
 ) -> float:
     """Return the log odds that an ellipse is right, as far as its support tells.
 
@@ -96,19 +122,18 @@ def evidence_of(
     gap in an outline that is as good as whole no sign against it: how much comes in `weights`.
     Blobs that close by chance have axes of any `ratio`, hardly one near 1: of the scatter of an
     outline that is whole and round another share is no misfit.
-    What is extrapolated from scattered points is as doubtful whatever scatters them. The other
-    weights, here and below, are those of a logistic regression.
+    What is extrapolated from scattered points is as doubtful whatever scatters them.
     """
-    aligned = math.log(2.0 / (rms + 0.05)) - math.log(slant + 0.03)
-    misfit = math.sqrt(max(0.0, rms * rms - weights[NOISE_SCATTER] ** 2))
-    whole = rising(share + weights[NOISE_GAPS], NEARLY_WHOLE[0], NEARLY_WHOLE[1])
-    misfit *= 1.0 - weights[ROUND_SCATTER] * whole * rising(ratio, ROUND[0], ROUND[1])
-    extrapolated = 16.0 * rms / growth + 30.0 * outside
+    aligned = math.log(2.0 / (rms + LEAST_RMS)) - math.log(slant + LEAST_SLANT)
+    misfit = math.sqrt(max(0.0, rms * rms - weights.noise_scatter**2))
+    whole = rising(share + weights.noise_gaps, NEARLY_WHOLE[0], NEARLY_WHOLE[1])
+    misfit *= 1.0 - weights.round_scatter * whole * rising(ratio, ROUND[0], ROUND[1])
+    extrapolated = SCATTER_WEIGHT * rms / growth + OUTSIDE_WEIGHT * outside
     doubt = (1.0 - share) * extrapolated + UNEVEN * misfit / semi_minor
     whole *= rising(semi_minor, ROUND_BY_CHANCE[0], ROUND_BY_CHANCE[1])
     whole *= rising(-misfit / semi_minor, -EVEN[0], -EVEN[1])
-    support = 3.7 * math.log(1.0 + length * max(aligned, 0.1))
-    return float(support + weights[WHOLE_WEIGHT] * whole - doubt - 17.7)
+    support = SUPPORT_WEIGHT * math.log(1.0 + length * max(aligned, LEAST_ALIGNED))
+    return float(support + weights.whole * whole - doubt + NO_SUPPORT)
 
 
 @kernel
@@ -117,7 +142,7 @@ def doubt_of_ends(share: float, continuing: float, unexplained: float) -> float:
 
     It counts in proportion to the unsupported rest, as in `evidence_of`.
     """
-    return (1.0 - share) * (11.5 * continuing + 7.0 * unexplained)
+    return (1.0 - share) * (GOING_ON_WEIGHT * continuing + UNEXPLAINED_WEIGHT * unexplained)
 
 
 @kernel
@@ -126,7 +151,7 @@ def doubt_of_clutter(share: float, across: float) -> float:
 
     Mild: it is not known yet which of them belong to other ellipses.
     """
-    return 8.0 * (1.0 - share) * across
+    return CLUTTER_WEIGHT * (1.0 - share) * across
 
 
 @kernel
@@ -165,7 +190,7 @@ def support_evidence(
     length: float,
     ellipse: FloatArray,
     growth: float,
-    weights: FloatArray,
+    weights: Weights,
 ) -> float:
     """Return the evidence of an ellipse from the sums that `collect` made, but for clutter."""
     share = min(sums[COVERED] / sums[IN_FRAME], sums[TURN_COVERED] / sums[TURN])
@@ -182,7 +207,7 @@ def hopeless(
     stride: float,
     ellipse: FloatArray,
     growth: float,
-    weights: FloatArray,
+    weights: Weights,
     least: float,
 ) -> bool:
     """Tell whether the evidence of a first collection of support is below `least`.

@@ -5,12 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
-from geoprim_core._check import FloatArray
+from geoprim_core._check import FloatArray, Int32Array
 from geoprim_core._jit import inner_kernel, kernel
-
-Int32Array = npt.NDArray[np.int32]
 
 SKETCH = 18  # places of a quarter that serve a first look
 SKETCHES = 64  # as many ratios of the semi-axes
@@ -136,3 +133,11 @@ def outline_of(a: float, b: float, stride: float) -> FloatArray:
         places[2 * count + k, 0], places[2 * count + k, 1] = -c, -s
         places[4 * count - 1 - k, 0], places[4 * count - 1 - k, 1] = c, -s
     return places
+
+
+@inner_kernel
+def pixel_at(ellipse: FloatArray, cos: float, sin: float, ct: float, st: float) -> tuple[int, int]:
+    """Return the pixel of an outline's place with the cosine and sine of its parameter."""
+    u, v = ellipse[2] * ct, ellipse[3] * st
+    x, y = ellipse[0] + u * cos - v * sin, ellipse[1] + u * sin + v * cos
+    return int(math.floor(x + 0.5)), int(math.floor(y + 0.5))

@@ -10,15 +10,12 @@ import math
 from typing import NamedTuple, cast
 
 import numpy as np
-import numpy.typing as npt
 
-from geoprim_core._check import BoolArray, FloatArray, IntArray
+from geoprim_core._check import BoolArray, FloatArray, Int8Array, Int32Array, IntArray
 from geoprim_core._jit import inlined_kernel, inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_at
-from geoprim_core.ecc._kernels_refined_places import pixels_of, quarter_of
-
-Int8Array = npt.NDArray[np.int8]
-Int32Array = npt.NDArray[np.int32]
+from geoprim_core.ecc.refined._kernels_fit import offset_at
+from geoprim_core.ecc.refined._kernels_places import pixels_of, quarter_of
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
 
 ACROSS = 0.82  # cosine of 35 degrees: an edge point turned further crosses the outline
 CHUNK = 24  # places of a quarter that are looked at together
@@ -55,8 +52,15 @@ class Walk(NamedTuple):
         Those of the points seen that were not seen before on this walk.
     along : (m,) bool
         Which of the fresh points support the ellipse.
-    support : (3, N) float64
-        Supporting points: see `_kernels_refined_refit`.
+    stamp : (N,) int32
+        Of every edge point the mark of the walk that has judged it last: negative where it does
+        not support the ellipse of that walk.
+    chosen : (N + 1,) int64
+        The supporting points.
+    sums : (SUMS,) float64
+        What `add_support` counts.
+    gathered : (3, N) float64
+        The supporting points as `_kernels_refit` takes them.
     """
 
     places: FloatArray
@@ -68,7 +72,31 @@ class Walk(NamedTuple):
     about: FloatArray
     fresh: Int32Array
     along: BoolArray
-    support: FloatArray
+    stamp: Int32Array
+    chosen: IntArray
+    sums: FloatArray
+    gathered: FloatArray
+
+
+class Band(NamedTuple):
+    """Which edge points support an ellipse on one walk along its outline.
+
+    Attributes
+    ----------
+    reach : float
+        How far they lie at most, in pixels.
+    min_cosine : float
+        Least cosine of the angle between gradient and normal.
+    polarity : int
+        1 where the gradient has to point inwards, -1 outwards, 0 where either will do.
+    mark : int
+        A number that no other walk has, and none that is its negative.
+    """
+
+    reach: float
+    min_cosine: float
+    polarity: int
+    mark: int
 
 
 @kernel
@@ -89,11 +117,9 @@ def pixels_near(head: Int32Array) -> BoolArray:
 
 
 @kernel
-def new_walk(head: Int32Array, longest: float, total: int) -> Walk:
-    """Return room for walks in steps of a pixel or more; semi-axes are at most `longest`.
-
-    There are `total` edge points.
-    """
+def new_walk(edges: EdgeIndex, longest: float) -> Walk:
+    """Return room for walks in steps of a pixel or more; semi-axes are at most `longest`."""
+    total = len(edges.points)
     quarter = 2 * int(longest) + 16
     return Walk(
         np.empty((3, quarter)),
@@ -101,10 +127,13 @@ def new_walk(head: Int32Array, longest: float, total: int) -> Walk:
         np.empty((2, 4 * CHUNK * WINDOW + 1), np.int32),
         np.empty((4, CHUNK), np.int32),
         np.empty((2, 4 * CHUNK + 1), np.int32),
-        pixels_near(head),
+        pixels_near(edges.head),
         np.empty((4, 4 * CHUNK * WINDOW + 1)),
         np.empty(4 * CHUNK * WINDOW + 1, np.int32),
         np.empty(4 * CHUNK * WINDOW + 1, np.bool_),
+        np.zeros(total, np.int32),
+        np.empty(total + 1, np.int64),
+        np.empty(SUMS),
         np.empty((3, total + 1)),
     )
 
@@ -136,7 +165,6 @@ def find_windows(
     walk: Walk,
     first: int,
     last: int,
-    sums: FloatArray,
 ) -> int:
     """Note which of the places first .. last - 1 of all quarters have edge points around them.
 
@@ -158,14 +186,14 @@ def find_windows(
             noted += walk.near[np.uint64(at)]
         inside += sides
         turn += sides * walk.places[2, k]
-    sums[STEPS] += 4.0 * (last - first)
-    sums[IN_FRAME] += inside
-    sums[TURN] += turn
+    walk.sums[STEPS] += 4.0 * (last - first)
+    walk.sums[IN_FRAME] += inside
+    walk.sums[TURN] += turn
     return noted
 
 
 @inlined_kernel
-def pick_new(stamp: Int32Array, mark: int, walk: Walk, size: int) -> int:
+def pick_new(walk: Walk, mark: int, size: int) -> int:
     """Write to `walk.fresh` those of the points noted that no place before had; return how many.
 
     A point is around several places, and judged once.
@@ -174,18 +202,17 @@ def pick_new(stamp: Int32Array, mark: int, walk: Walk, size: int) -> int:
     for k in range(size):
         p = walk.seen[0, k]
         at = np.uint64(p)
-        known = stamp[at]
+        known = walk.stamp[at]
         walk.fresh[np.uint64(fresh)] = p
         fresh += (known != mark) & (known != -mark)
-        stamp[at] = known if known == -mark else mark
+        walk.stamp[at] = known if known == -mark else mark
     return fresh
 
 
 @inlined_kernel
 def weigh(
-    points: FloatArray, normals: FloatArray, walk: Walk, size: int, ellipse: FloatArray, cos: float,
-    sin: float, reach: float, min_cos: float, polarity: int,
-) -> int:  # fmt: skip
+    edges: EdgeIndex, walk: Walk, size: int, ellipse: FloatArray, cos: float, sin: float, band: Band
+) -> int:
     """Tell of the fresh points which support an ellipse; return how many cross its outline.
 
     Writes for those that support it the square of the distance over the position, and that of the
@@ -197,16 +224,16 @@ def weigh(
     x0, y0 = ellipse[0], ellipse[1]
     for k in range(size):
         at = np.uint64(walk.fresh[k])
-        dx[k], dy[k] = points[at, 0] - x0, points[at, 1] - y0
-        across_x[k], across_y[k] = normals[at, 0], normals[at, 1]
+        dx[k], dy[k] = edges.points[at, 0] - x0, edges.points[at, 1] - y0
+        across_x[k], across_y[k] = edges.normals[at, 0], edges.normals[at, 1]
     flat, steep = 1.0 / (ellipse[2] * ellipse[2]), 1.0 / (ellipse[3] * ellipse[3])
     crossing = 0
     for k in range(size):
         d, nx, ny = offset_at(dx[k], dy[k], cos, sin, flat, steep)
         dot = -(nx * across_x[k] + ny * across_y[k])
-        right = (polarity == 0) | (dot * polarity > 0.0)
+        right = (band.polarity == 0) | (dot * band.polarity > 0.0)
         across = abs(dot) < ACROSS
-        good = (abs(dot) >= min_cos) & right & (abs(d) <= reach) & (not across)
+        good = (abs(dot) >= band.min_cosine) & right & (abs(d) <= band.reach) & (not across)
         dx[k] = d * d if good else 0.0
         # Rounding can make an exact normal longer than one: no root of that below.
         dy[k] = max(0.0, 1.0 - dot * dot) if good else 0.0
@@ -217,95 +244,69 @@ def weigh(
 
 @inlined_kernel
 def judge_points(
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipse: FloatArray,
-    cos: float,
-    sin: float,
-    reach: float,
-    min_cos: float,
-    polarity: int,
-    stamp: Int32Array,
-    mark: int,
-    walk: Walk,
-    size: int,
-    chosen: IntArray,
-    count: int,
-    sums: FloatArray,
-) -> int:
-    """Put those of the points noted that support the ellipse to `chosen`; return their number.
+    edges: EdgeIndex, walk: Walk, size: int, ellipse: FloatArray, cos: float, sin: float,
+    band: Band, count: int,
+) -> int:  # fmt: skip
+    """Put those of the points noted that support the ellipse to `walk.chosen`; return their number.
 
     Marks the places that they are around as covered. The points of a pixel are judged one after
     the other: those that come first of all pixels, then those that follow them.
     """
+    mark = band.mark
     squares = turned_sum = 0.0
     crossing = 0
     while size > 0:
-        fresh = pick_new(stamp, mark, walk, size)
-        crossing += weigh(points, normals, walk, fresh, ellipse, cos, sin, reach, min_cos, polarity)
+        fresh = pick_new(walk, mark, size)
+        crossing += weigh(edges, walk, fresh, ellipse, cos, sin, band)
         for k in range(fresh):
             p, good = walk.fresh[k], walk.along[k]
-            stamp[np.uint64(p)] = mark if good else -mark
-            chosen[np.uint64(count)] = p
+            walk.stamp[np.uint64(p)] = mark if good else -mark
+            walk.chosen[np.uint64(count)] = p
             count += good
             squares += walk.about[0, k]
             turned_sum += walk.about[1, k]
         left = 0
         for k in range(size):
             at, place = np.uint64(walk.seen[0, k]), walk.seen[1, k]
-            walk.state[np.uint64(place)] |= stamp[at] == mark
-            walk.seen[0, np.uint64(left)] = following[at]
+            walk.state[np.uint64(place)] |= walk.stamp[at] == mark
+            walk.seen[0, np.uint64(left)] = edges.following[at]
             walk.seen[1, np.uint64(left)] = place
-            left += following[at] >= 0
+            left += edges.following[at] >= 0
         size = left
-    sums[SQUARES] += squares
-    sums[TURNED] += turned_sum
-    sums[CROSSING] += crossing
+    walk.sums[SQUARES] += squares
+    walk.sums[TURNED] += turned_sum
+    walk.sums[CROSSING] += crossing
     return count
 
 
 @inner_kernel
 def add_support(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
+    edges: EdgeIndex,
     ellipse: FloatArray,
     walk: Walk,
     start: int,
     end: int,
-    reach: float,
-    min_cos: float,
-    polarity: int,
-    stamp: Int32Array,
-    mark: int,
-    chosen: IntArray,
+    band: Band,
     count: int,
-    sums: FloatArray,
 ) -> int:
     """Collect the edge points that support an ellipse: near its outline and along its normal.
 
     They are looked for in the nine pixels around each of the places start .. end - 1 of all
-    quarters; a place is covered when there is one. Returns the
-    number of points in `chosen`, which has room for one more than there are points; `count` are
-    there already. The sums grow by places, those in the frame and the covered ones, the turn of
-    the normal over the latter two, squared distances, squared sines of the angles between gradient
-    and normal, and points with the gradient across the outline.
+    quarters; a place is covered when there is one. Returns the number of points in `walk.chosen`,
+    of which `count` are there already. The sums of the walk grow by places, those in the frame and
+    the covered ones, the turn of the normal over the latter two, squared distances, squared sines
+    of the angles between gradient and normal, and points with the gradient across the outline.
     """
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    flat, width = head.reshape(head.size), head.shape[1]
+    flat, width = edges.head.reshape(edges.head.size), edges.head.shape[1]
     for first in range(start, end, CHUNK):
         last = min(first + CHUNK, end)
-        noted = find_windows(head, ellipse, cos, sin, walk, first, last, sums)
+        noted = find_windows(edges.head, ellipse, cos, sin, walk, first, last)
         size = FIRST
         for k in range(noted):
             corner = np.int64(walk.windows[0, k]) - width - 1
             size = look(flat, corner, width, walk.windows[1, k], walk.seen, size)
-        count = judge_points(
-            following, points, normals, ellipse, cos, sin, reach, min_cos, polarity, stamp, mark,
-            walk, size, chosen, count, sums,
-        )  # fmt: skip
+        count = judge_points(edges, walk, size, ellipse, cos, sin, band, count)
         covered = 0
         turn = 0.0
         for k in range(first, last):
@@ -314,32 +315,14 @@ def add_support(
                 sides += walk.state[4 * k + side] == COVERED_PLACE
             covered += sides
             turn += sides * walk.places[2, k]
-        sums[COVERED] += covered
-        sums[TURN_COVERED] += turn
+        walk.sums[COVERED] += covered
+        walk.sums[TURN_COVERED] += turn
     return count
 
 
 @inner_kernel
-def collect(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipse: FloatArray,
-    stride: float,
-    reach: float,
-    min_cos: float,
-    polarity: int,
-    stamp: Int32Array,
-    mark: int,
-    walk: Walk,
-    chosen: IntArray,
-    sums: FloatArray,
-) -> int:
+def collect(edges: EdgeIndex, ellipse: FloatArray, walk: Walk, stride: float, band: Band) -> int:
     """Collect the support along a whole outline, at places about `stride` pixels apart."""
-    sums[:] = 0.0
+    walk.sums[:] = 0.0
     end = quarter_of(ellipse[2], ellipse[3], stride, walk.places)
-    return add_support(
-        head, following, points, normals, ellipse, walk, FIRST, end, reach, min_cos, polarity,
-        stamp, mark, chosen, FIRST, sums,
-    )  # fmt: skip
+    return add_support(edges, ellipse, walk, FIRST, end, band, FIRST)

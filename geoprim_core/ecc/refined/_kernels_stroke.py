@@ -1,4 +1,4 @@
-"""Kernels of step 4 of the `refined` scheme: the two edges of one drawn line."""
+"""Kernels of the `refined` scheme, strokes: the two edges of one drawn line."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_mates import DOUBTED, END
+from geoprim_core.ecc.refined._kernels_mates import DOUBTED, END
 
 ALIKE = 1.0  # pixels between the width of a line here and that of the lines of a drawing
 FOLLOWED = 5.0  # points with a mate that a contour is given in an image of lines

@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from geoprim_core._check import BoolArray, IntArray, describe
-from geoprim_core.ecc import _kernels_refined_final as _final
-from geoprim_core.ecc import _kernels_refined_select as _select
-from geoprim_core.ecc import _kernels_refined_thirds as _thirds
-from geoprim_core.ecc.refined_arcs import EdgePoints, SmoothArcs, gather_edges, split_arcs
-from geoprim_core.ecc.refined_candidates import (
+from geoprim_core.ecc.refined import _kernels_final as _final
+from geoprim_core.ecc.refined import _kernels_select as _select
+from geoprim_core.ecc.refined import _kernels_thirds as _thirds
+from geoprim_core.ecc.refined.arcs import EdgePoints, SmoothArcs, gather_edges, split_arcs
+from geoprim_core.ecc.refined.candidates import (
     Candidates,
     Verified,
     allow_for_chance,
@@ -23,8 +23,8 @@ from geoprim_core.ecc.refined_candidates import (
     vote,
     what_was_left_out,
 )
-from geoprim_core.ecc.refined_params import RefinedParams
-from geoprim_core.ecc.refined_score import SCORE_MAP
+from geoprim_core.ecc.refined.params import RefinedParams
+from geoprim_core.ecc.refined.score import SCORE_MAP
 from geoprim_core.errors import InputError
 from geoprim_core.params import as_params
 from geoprim_core.types import Contours, EllipseDetections, Ellipses, Polygons
@@ -119,6 +119,11 @@ def trace_refined(
 ) -> RefinedTrace:
     """Detect ellipses by the `refined` scheme and keep every intermediate result.
 
+    Parameters
+    ----------
+    contours, polygons, params
+        As `detect_refined` takes them.
+
     Raises
     ------
     InputError
@@ -158,10 +163,7 @@ def cross_check(edges: EdgePoints, verified: Verified, params: RefinedParams) ->
         return verified
     figures = _thirds.doubt_predictions(
         edges.points,
-        verified.ellipses,
-        verified.figures,
-        verified.offsets,
-        verified.support,
+        verified.supported,
         params.reach_growth,
         params.prediction_weight,
         SCORE_MAP.evidence_of(params.min_score),
@@ -207,14 +209,8 @@ def _choose(
 ) -> Selection:
     """Return what is selected of the ellipses with at least some score."""
     chosen, outcome, claimed = _select.select(
-        edges.head,
-        edges.following,
-        edges.points,
-        edges.normals,
-        verified.ellipses,
-        verified.figures,
-        verified.offsets,
-        verified.support,
+        edges.index,
+        verified.supported,
         SCORE_MAP.evidence_of(min_score),
         params.claim_reach,
         params.min_unclaimed,
@@ -252,11 +248,9 @@ def refit_chosen(
         edges.points,
         arcs.indices,
         arcs.offsets,
-        verified.ellipses,
-        verified.offsets,
-        verified.support,
+        verified.supported,
         selection.chosen,
-        SCORE_MAP.probability(verified.figures[selection.chosen, 0]),
+        verified.score[selection.chosen],
         params.max_size * edges.diagonal,
         params.min_semi_minor,
         max(edges.spread, edges.line_spread) if params.undo_blur else 0.0,

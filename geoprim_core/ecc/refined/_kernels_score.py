@@ -1,4 +1,4 @@
-"""Kernel of the last step of the `refined` scheme: from evidence to log odds."""
+"""Kernel of the `refined` scheme, score: from evidence to log odds."""
 
 from __future__ import annotations
 

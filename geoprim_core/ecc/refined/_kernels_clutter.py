@@ -8,20 +8,25 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_of
-from geoprim_core.ecc._kernels_refined_outline import ACROSS, Int32Array
-from geoprim_core.ecc._kernels_refined_places import outline_of
-from geoprim_core.ecc._kernels_refined_support import doubt_of_clutter
+from geoprim_core.ecc.refined._kernels_fit import offset_of
+from geoprim_core.ecc.refined._kernels_outline import ACROSS
+from geoprim_core.ecc.refined._kernels_places import outline_of, pixel_at
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
+from geoprim_core.ecc.refined._kernels_support import (
+    ACROSS_EACH,
+    COVERAGE,
+    EVIDENCE,
+    TURN_COVERAGE,
+    Supported,
+    doubt_of_clutter,
+)
 
-UNEXPLAINED = 60.0  # evidence lost for one unexplained crossing point a supporting one
+UNEXPLAINED_WEIGHT = 60.0  # evidence lost for one unexplained crossing point a supporting one
 
 
 @kernel
 def count_crossings(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
+    edges: EdgeIndex,
     ellipse: FloatArray,
     claimed: BoolArray,
     stamp: IntArray,
@@ -33,15 +38,13 @@ def count_crossings(
 
     Those whose height is below `full` count for less, in proportion.
     """
+    head, following, points, normals = edges
     height, width = head.shape
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
-    a, b = ellipse[2], ellipse[3]
     count = 0.0
-    places = outline_of(a, b, 2.0)
+    places = outline_of(ellipse[2], ellipse[3], 2.0)
     for k in range(len(places)):
-        u, v = a * places[k, 0], b * places[k, 1]
-        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
-        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
+        px, py = pixel_at(ellipse, cos, sin, places[k, 0], places[k, 1])
         if px < 1 or py < 1 or px > width - 2 or py > height - 2:
             continue
         for y in range(py - 1, py + 2):
@@ -59,14 +62,8 @@ def count_crossings(
 
 @kernel
 def explain_crossings(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipses: FloatArray,
-    figures: FloatArray,
-    offsets: IntArray,
-    support: IntArray,
+    edges: EdgeIndex,
+    found: Supported,
     claimed: BoolArray,
     heights: FloatArray,
     share: float,
@@ -79,20 +76,19 @@ def explain_crossings(
     a `share` of the median of the support. An ellipse whose evidence is below `least` without any
     clutter is left as it is.
     """
-    stamp = np.zeros(len(points), np.int64)
-    result = figures.copy()
-    for k in range(len(ellipses)):
+    stamp = np.zeros(len(edges.points), np.int64)
+    result = found.figures.copy()
+    for k in range(len(result)):
         row = result[k]
-        covered = min(row[1], row[2])
-        evidence = row[0] + doubt_of_clutter(covered, row[4])
+        covered = min(row[COVERAGE], row[TURN_COVERAGE])
+        evidence = row[EVIDENCE] + doubt_of_clutter(covered, row[ACROSS_EACH])
         if evidence < least:
             continue
-        if row[4] > 0.0:
-            own = support[offsets[k] : offsets[k + 1]]
+        if row[ACROSS_EACH] > 0.0:
+            own = found.support[found.offsets[k] : found.offsets[k + 1]]
             full = share * np.median(heights[own])
-            left = count_crossings(
-                head, following, points, normals, ellipses[k], claimed, stamp, k + 1, heights, full
-            )
-            row[4] = left / len(own)
-        row[0] = evidence - UNEXPLAINED * (1.0 - covered) * row[4]
+            ellipse = found.ellipses[k]
+            left = count_crossings(edges, ellipse, claimed, stamp, k + 1, heights, full)
+            row[ACROSS_EACH] = left / len(own)
+        row[EVIDENCE] = evidence - UNEXPLAINED_WEIGHT * (1.0 - covered) * row[ACROSS_EACH]
     return result

@@ -5,13 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
-from geoprim_core._check import FloatArray, IntArray
+from geoprim_core._check import FloatArray, Int32Array, IntArray, UInt32Array
 from geoprim_core._jit import inner_kernel, kernel
-
-Int32Array = npt.NDArray[np.int32]
-UInt32Array = npt.NDArray[np.uint32]
 
 DIGIT = 11  # bits of a number that are sorted by together
 DIGITS = 3  # of 32 bits

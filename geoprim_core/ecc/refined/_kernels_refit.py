@@ -12,11 +12,12 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel, summing_kernel
-from geoprim_core.ecc._kernels_refined_conic import ellipse_of_conic
-from geoprim_core.ecc._kernels_refined_fit import offset_at
+from geoprim_core.ecc.refined._kernels_conic import ellipse_of_conic
+from geoprim_core.ecc.refined._kernels_fit import offset_at
 
 TUKEY = 4.685  # 95 % efficiency on normal errors
 MAD = 1.4826
+REFIT_STEPS = 2  # of one refit
 WEIGHTED = 17  # sums of `weighted_sums`
 X, Y, FAR = range(3)  # rows of what is gathered: position, distance
 
@@ -137,3 +138,22 @@ def refit(near: FloatArray, count: int, ellipse: FloatArray, steps: int, width: 
         current[4] = (current[4] + row[4]) % math.pi
     ellipse[:] = current
     return True
+
+
+@kernel
+def refit_within(
+    near: FloatArray, count: int, ellipse: FloatArray, width: float, max_major: float,
+    min_minor: float,
+) -> float:  # fmt: skip
+    """Refit an ellipse in place; return by how many pixels that moves it at most.
+
+    It is left as it is, and 0 returned, where a step fails or a semi-axis leaves its limits.
+    """
+    row = ellipse.copy()
+    if not refit(near, count, row, REFIT_STEPS, width) or row[2] > max_major or row[3] < min_minor:
+        return 0.0
+    moved = 0.0
+    for k in range(4):
+        moved = max(moved, abs(row[k] - ellipse[k]))
+    ellipse[:] = row
+    return moved

@@ -6,15 +6,11 @@ import math
 
 import numpy as np
 
-from geoprim_core._check import FloatArray, IntArray
+from geoprim_core._check import FloatArray, Int32Array, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_outline import (
-    ACROSS,
-    COVERED_PLACE,
-    GAP,
-    Int32Array,
-    Walk,
-)
+from geoprim_core.ecc.refined._kernels_outline import ACROSS, COVERED_PLACE, GAP, STEPS, Walk
+from geoprim_core.ecc.refined._kernels_places import pixel_at
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
 
 RESUMED = 8  # points of a contour after which it has left the outline for good
 GOES_ON = 6  # points of a contour beyond its last support that make it go on
@@ -70,23 +66,21 @@ def continuing_share(
 
 @inner_kernel
 def is_crossed(
-    head: Int32Array,
-    following: Int32Array,
-    normals: FloatArray,
+    edges: EdgeIndex,
     px: int,
     py: int,
     nx: float,
     ny: float,
 ) -> bool:
     """Tell whether an edge runs across the normal (nx, ny) near a pixel."""
-    height, width = head.shape
+    height, width = edges.head.shape
     for y in range(max(0, py - NEARBY), min(height, py + NEARBY + 1)):
         for x in range(max(0, px - NEARBY), min(width, px + NEARBY + 1)):
-            p = head[y, x]
+            p = edges.head[y, x]
             while p >= 0:
-                if abs(nx * normals[p, 0] + ny * normals[p, 1]) < ACROSS:
+                if abs(nx * edges.normals[p, 0] + ny * edges.normals[p, 1]) < ACROSS:
                     return True
-                p = following[p]
+                p = edges.following[p]
     return False
 
 
@@ -102,9 +96,7 @@ def place_on_outline(m: int, size: int) -> int:
 
 @inner_kernel
 def is_end_crossed(
-    head: Int32Array,
-    following: Int32Array,
-    normals: FloatArray,
+    edges: EdgeIndex,
     ellipse: FloatArray,
     cos: float,
     sin: float,
@@ -116,29 +108,26 @@ def is_end_crossed(
     ct = ct if place % 2 == 0 else -ct
     st = st if place % 4 < 2 else -st
     a, b = ellipse[2], ellipse[3]
-    x = int(math.floor(ellipse[0] + a * ct * cos - b * st * sin + 0.5))
-    y = int(math.floor(ellipse[1] + a * ct * sin + b * st * cos + 0.5))
+    x, y = pixel_at(ellipse, cos, sin, ct, st)
     gu, gv = b * ct, a * st
     norm = math.sqrt(gu * gu + gv * gv)
     nx, ny = (gu * cos - gv * sin) / norm, (gu * sin + gv * cos) / norm
-    return bool(is_crossed(head, following, normals, x, y, nx, ny))
+    return bool(is_crossed(edges, x, y, nx, ny))
 
 
 @inner_kernel
 def unexplained_share(
-    head: Int32Array,
-    following: Int32Array,
-    normals: FloatArray,
+    edges: EdgeIndex,
     ellipse: FloatArray,
     walk: Walk,
-    size: int,
 ) -> float:
     """Return the share of the ends of gaps at which no edge crosses the outline.
 
     Where something lies over an ellipse, the outline of that thing crosses it: a T-junction. The
-    walk, with `size` places a quarter, tells the gaps.
+    last walk along the whole outline tells the gaps.
     """
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    size = int(walk.sums[STEPS]) // 4  # places a quarter
     steps = 4 * size
     start = 0
     while start < steps and walk.state[place_on_outline(start, size)] != COVERED_PLACE:
@@ -154,7 +143,7 @@ def unexplained_share(
                 before = k - back if k >= back else k - back + steps
                 place = place_on_outline(before, size)
                 ends += 1
-                if not is_end_crossed(head, following, normals, ellipse, cos, sin, walk, place):
+                if not is_end_crossed(edges, ellipse, cos, sin, walk, place):
                     unexplained += 1
         gap = 0
     return unexplained / ends if ends > 0 else 0.0

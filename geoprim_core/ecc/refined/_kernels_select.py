@@ -8,9 +8,18 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_of
-from geoprim_core.ecc._kernels_refined_outline import ACROSS, Int32Array
-from geoprim_core.ecc._kernels_refined_places import outline_of
+from geoprim_core.ecc.refined._kernels_fit import offset_of
+from geoprim_core.ecc.refined._kernels_outline import ACROSS
+from geoprim_core.ecc.refined._kernels_places import outline_of, pixel_at
+from geoprim_core.ecc.refined._kernels_points import EdgeIndex
+from geoprim_core.ecc.refined._kernels_support import (
+    COVERAGE,
+    EVIDENCE,
+    LENGTH,
+    RMS,
+    TURN_COVERAGE,
+    Supported,
+)
 from geoprim_core.fitting._kernels_overlap import overlap_bound, overlap_of
 
 PROBES = 32
@@ -26,23 +35,19 @@ WEAK, CLAIMED, TWIN, CHOSEN = range(4)
 
 @kernel
 def claim(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
+    edges: EdgeIndex,
     ellipse: FloatArray,
     reach: float,
     claimed: BoolArray,
 ) -> None:
     """Mark the edge points within `reach` of an outline that do not cross it."""
+    head, following, points, normals = edges
     height, width = head.shape
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
     band = int(math.ceil(reach))
     places = outline_of(ellipse[2], ellipse[3], 2.0)
     for k in range(len(places)):
-        u, v = ellipse[2] * places[k, 0], ellipse[3] * places[k, 1]
-        px = int(math.floor(ellipse[0] + u * cos - v * sin + 0.5))
-        py = int(math.floor(ellipse[1] + u * sin + v * cos + 0.5))
+        px, py = pixel_at(ellipse, cos, sin, places[k, 0], places[k, 1])
         for y in range(max(0, py - band), min(height, py + band + 1)):
             for x in range(max(0, px - band), min(width, px + band + 1)):
                 p = head[y, x]
@@ -79,21 +84,21 @@ def is_twin(
     chosen: IntArray,
     found: int,
     candidate: int,
-    most: float,
-    woven: float,
+    max_overlap: float,
+    min_woven: float,
 ) -> bool:
-    """Tell whether an ellipse overlaps one of the chosen by more than `most`.
+    """Tell whether an ellipse overlaps one of the chosen by more than `max_overlap`.
 
-    One that is supported closely and nearly all along, and weaves through the other (`woven`), is
-    another thing.
+    One that is supported closely and nearly all along, and weaves through the other, is another
+    thing.
     """
     row = figures[candidate]
-    sound = min(row[1], row[2]) >= WHOLE and row[3] <= CLOSE
+    sound = min(row[COVERAGE], row[TURN_COVERAGE]) >= WHOLE and row[RMS] <= CLOSE
     for m in range(found):
         other = ellipses[chosen[m]]
-        if overlap_bound(ellipses[candidate], other) > most:
-            if overlap_of(ellipses[candidate], other) > most:
-                if not (sound and weaves(ellipses[candidate], other, woven)):
+        if overlap_bound(ellipses[candidate], other) > max_overlap:
+            if overlap_of(ellipses[candidate], other) > max_overlap:
+                if not (sound and weaves(ellipses[candidate], other, min_woven)):
                     return True
     return False
 
@@ -115,19 +120,13 @@ def sink(heap: IntArray, size: int, at: int, value: FloatArray) -> None:
 
 @kernel
 def select(
-    head: Int32Array,
-    following: Int32Array,
-    points: FloatArray,
-    normals: FloatArray,
-    ellipses: FloatArray,
-    figures: FloatArray,
-    offsets: IntArray,
-    support: IntArray,
+    edges: EdgeIndex,
+    verified: Supported,
     min_evidence: float,
     reach: float,
-    least: float,
-    most: float,
-    woven: float,
+    min_unclaimed: float,
+    max_overlap: float,
+    min_woven: float,
 ) -> tuple[IntArray, IntArray, BoolArray]:
     """Choose greedily the ellipse with the strongest support that no chosen one has claimed.
 
@@ -135,15 +134,17 @@ def select(
     It only falls: in a heap only what comes to the top is looked at again.
     Returns the chosen in order, what became of each ellipse, and which points are claimed.
     """
+    ellipses, figures, offsets, support = verified
     count = len(ellipses)
-    claimed = np.zeros(len(points), np.bool_)
+    claimed = np.zeros(len(edges.points), np.bool_)
     outcome = np.full(count, WEAK)
     strength = np.empty(count)
     heap = np.empty(count, np.int64)
     size = 0
     for k in range(count):
-        strength[k] = figures[k, 5] * math.sqrt(figures[k, 1]) / (1.0 + 2.0 * figures[k, 3])
-        if figures[k, 0] >= min_evidence and strength[k] > 0.0:
+        row = figures[k]
+        strength[k] = row[LENGTH] * math.sqrt(row[COVERAGE]) / (1.0 + 2.0 * row[RMS])
+        if row[EVIDENCE] >= min_evidence and strength[k] > 0.0:
             heap[size] = k
             size += 1
     value = strength.copy()
@@ -158,16 +159,16 @@ def select(
             outcome[k] = CHOSEN
             chosen[found] = k
             found += 1
-            claim(head, following, points, normals, ellipses[k], reach, claimed)
+            claim(edges, ellipses[k], reach, claimed)
         else:
             free = 0
             for s in range(offsets[k], offsets[k + 1]):
                 if not claimed[support[s]]:
                     free += 1
             share = free / (offsets[k + 1] - offsets[k])
-            if share < least:
+            if share < min_unclaimed:
                 outcome[k] = CLAIMED
-            elif is_twin(ellipses, figures, chosen, found, k, most, woven):
+            elif is_twin(ellipses, figures, chosen, found, k, max_overlap, min_woven):
                 outcome[k] = TWIN
             else:
                 judged[k] = found

@@ -1,4 +1,4 @@
-"""Kernels of step 2 of the `refined` scheme: one ellipse for each of many pairs of arcs.
+"""Kernels of the `refined` scheme, pairs: one ellipse for each of many pairs of arcs.
 
 Pairs are fitted in batches, each quantity in a row of its own and without branches: the bodies of
 the loops then compile to vector instructions. All rows lie in one flat array, at places that are
@@ -14,13 +14,17 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel, summing_kernel
-from geoprim_core.ecc._kernels_refined_conic import axes_of_conic, direct_conic, ellipse_of_conic
+from geoprim_core.ecc.refined._kernels_arcs import INWARDS, MIDDLE, SIZE
+from geoprim_core.ecc.refined._kernels_conic import axes_of_conic, direct_conic, ellipse_of_conic
+from geoprim_core.ecc.refined._kernels_few import PairRules
 from geoprim_core.fitting._kernels_shape import perimeter_of
 
 SAMPLES = 12  # points of an arc that an ellipse is measured by
 BATCH = 64  # pairs that are fitted together
 ALONG = 0.9  # cosine between the inner normals of an arc and of an ellipse that it may lie on
 TINY = 1e-300
+LEAST_SEMI_MINOR = 2.0  # pixels
+LEAST_RMS = 0.15  # pixels, below which a closer fit is hardly a better one
 FIRST = cast(int, np.int64(0))  # typed: numba may compile a kernel anew for a literal number
 
 # Where rows of `BATCH` numbers begin: moments of either arc ([5 p + q] as in `add_point`), from the
@@ -99,9 +103,10 @@ def add_pairs(
     for k in range(size):
         i = first[k]
         j = second[k] if second[k] >= 0 else i
-        x, y = 0.5 * (table[i, 0] + table[j, 0]), 0.5 * (table[i, 1] + table[j, 1])
+        own_x, own_y = table[i, MIDDLE], table[i, MIDDLE + 1]
+        x, y = 0.5 * (own_x + table[j, MIDDLE]), 0.5 * (own_y + table[j, MIDDLE + 1])
         work[X + k], work[Y + k] = x, y
-        work[DX + k], work[DY + k] = table[i, 0] - x, table[i, 1] - y
+        work[DX + k], work[DY + k] = own_x - x, own_y - y
     load_moments(moments, first, size, ONE, work)
     move_moments(size, ONE, work)
     for k in range(size):  # the other middle lies as far on the other side
@@ -137,7 +142,7 @@ def refuse_lengths(
     for k in range(size):
         major, minor = work[MAJOR + k], work[MINOR + k]
         whole = math.pi * (major + minor)  # or longer
-        good = (major <= max_size) & (minor >= 2.0) & (min_share * whole <= lengths[k])
+        good = (major <= max_size) & (minor >= LEAST_SEMI_MINOR) & (min_share * whole <= lengths[k])
         work[GOOD + k] = 1.0 if good else 0.0
 
 
@@ -151,7 +156,7 @@ def refuse_normals(
         x, y = samples[i, 0, SAMPLES] - work[X + k], samples[i, 1, SAMPLES] - work[Y + k]
         gx = 2.0 * work[A + k] * x + work[B + k] * y + work[D + k]
         gy = 2.0 * work[C + k] * y + work[B + k] * x + work[E + k]
-        inwards = gx * table[i, 10] + gy * table[i, 11]
+        inwards = gx * table[i, INWARDS + 2] + gy * table[i, INWARDS + 3]
         good = (inwards <= -ALONG * math.sqrt(gx * gx + gy * gy)) | (arcs[k] < 0)
         work[GOOD + k] = work[GOOD + k] if good else 0.0
 
@@ -193,27 +198,26 @@ def fit_pairs(
     samples: FloatArray,
     table: FloatArray,
     moments: FloatArray,
-    first: IntArray,
-    second: IntArray,
+    pairs: IntArray,
     size: int,
-    max_rms: float,
-    max_size: float,
-    min_share: float,
+    rules: PairRules,
     work: FloatArray,
     arcs: IntArray,
     values: FloatArray,
 ) -> int:
-    """Fit an ellipse to each of at most `BATCH` pairs of arcs, or to one arc (the second is -1).
+    """Fit an ellipse to each of the first `size` columns of `pairs` (2, BATCH).
 
-    Writes the arcs, and the rank and ellipse, of those that lie within `max_rms` of it each, and
-    make up a share `min_share` of it together; returns how many these are.
+    They are two arcs, or one where the second is -1. Writes the arcs, and the rank and ellipse, of
+    those that lie near enough to it and make up enough of it; returns how many these are.
     """
+    first, second = pairs[0], pairs[1]
+    min_share, most = rules.min_share, rules.max_rms * rules.max_rms
     lengths = np.empty(BATCH)
     for k in range(size):
-        lengths[k] = table[first[k], 18] + (table[second[k], 18] if second[k] >= 0 else 0.0)
+        lengths[k] = table[first[k], SIZE] + (table[second[k], SIZE] if second[k] >= 0 else 0.0)
     add_pairs(table, moments, first, second, size, work)
     fit_conics(size, work)
-    refuse_lengths(lengths, size, max_size, min_share, work)
+    refuse_lengths(lengths, size, rules.max_semi_major, min_share, work)
     refuse_normals(samples, table, first, size, work)
     refuse_normals(samples, table, second, size, work)
     found = FIRST
@@ -222,9 +226,9 @@ def fit_pairs(
         for side in range(2):  # the shorter arc first: the fit follows the longer one
             i = second[k] if side == 0 else first[k]
             if work[GOOD + k] > 0.0 and i >= 0:
-                count = min(SAMPLES, int(table[i, 18]))
+                count = min(SAMPLES, int(table[i, SIZE]))
                 worst = max(worst, mean_square(samples, i, count, work, k))
-                work[GOOD + k] = 1.0 if worst < max_rms * max_rms else 0.0
+                work[GOOD + k] = 1.0 if worst < most else 0.0
         if not work[GOOD + k] > 0.0:
             continue
         major, minor = work[MAJOR + k], work[MINOR + k]
@@ -232,7 +236,7 @@ def fit_pairs(
         if lengths[k] < min_share * longest and lengths[k] < min_share * perimeter_of(major, minor):
             continue
         arcs[found, 0], arcs[found, 1] = first[k], second[k]
-        values[found, 0] = lengths[k] / (0.15 + math.sqrt(worst))
+        values[found, 0] = lengths[k] / (LEAST_RMS + math.sqrt(worst))
         write_ellipse(work, k, values, found)
         found += 1
     return found

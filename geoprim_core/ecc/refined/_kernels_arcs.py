@@ -8,10 +8,14 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inlined_kernel, kernel
-from geoprim_core.ecc._kernels_refined_fit import add_point
+from geoprim_core.ecc.refined._kernels_fit import add_point
 
 ROUNDING = 1.5 * 2.0**52  # a sum of this size has no room for a fraction
 HALF_PI = (1.5707963267341256, 6.077100506506192e-11)  # a multiple of the first is exact
+# Columns of the table of arcs, see `describe_arcs`: x, of points and normals y in the next.
+MIDDLE, PLACES, INWARDS, CHORD, POLARITY, SAGITTA, SIZE, FIGURES = 0, 2, 8, 14, 16, 17, 18, 19
+END_POINTS = 5  # of an arc that make its start, middle and end, at most
+
 FAR = 1000.0  # radians, beyond which multiples of it are left to the library
 # Chebyshev interpolation of sin(x) / x and cos(x) in x^2 on [0, pi / 4], within 4e-18.
 SINE = (
@@ -74,13 +78,13 @@ def describe_arcs(
 ) -> tuple[FloatArray, FloatArray]:
     """Return a table of arcs and their moments about their own middle point.
 
-    Columns: 0-1 middle; 2-7 start, middle, end of the arc; 8-13 inner normals near these; 14-15
-    normal of the chord away from the arc; 16 polarity, +1 where the gradient points inwards;
-    17 sagitta; 18 number of points; 19 radius of the arc about its middle. The chord of a ring is
-    the tangent at its start.
+    Columns: `MIDDLE`; `PLACES`, the start, middle and end of the arc, each the mean of a few
+    points; `INWARDS`, the inner normals there; `CHORD`, the normal of the chord, away from the
+    arc; `POLARITY`, +1 where the gradient points inwards; `SAGITTA`, the height over the chord;
+    `SIZE`, the number of points. The chord of a ring is the tangent at its start.
     """
     count = len(ends) - 1
-    table = np.zeros((count, 20))
+    table = np.zeros((count, FIGURES))
     moments = np.zeros((count, 25))
     for i in range(count):
         low, high = ends[i], ends[i + 1]
@@ -89,10 +93,10 @@ def describe_arcs(
         # Of an even number of points the middle is between two: the arc run backwards is the same.
         mid, other = order[low + size // 2], order[low + (size - 1) // 2]
         row = table[i]
-        row[0] = 0.5 * (points[mid, 0] + points[other, 0])
-        row[1] = 0.5 * (points[mid, 1] + points[other, 1])
+        row[MIDDLE] = 0.5 * (points[mid, 0] + points[other, 0])
+        row[MIDDLE + 1] = 0.5 * (points[mid, 1] + points[other, 1])
         for part in range(3):
-            reach = min(5, size // 3)
+            reach = min(END_POINTS, size // 3)
             if part == 1:
                 reach += (size - reach) % 2
             at = (low, low + (size - reach) // 2, high - reach)[part]
@@ -103,16 +107,15 @@ def describe_arcs(
                 nx += normals[order[k], 0]
                 ny += normals[order[k], 1]
             norm = math.hypot(nx, ny) + 1e-300
-            row[2 + 2 * part] = x / reach
-            row[3 + 2 * part] = y / reach
-            row[8 + 2 * part] = nx / norm
-            row[9 + 2 * part] = ny / norm
-        cx = 0.5 * (points[start, 0] + points[end, 0]) - row[0]
-        cy = 0.5 * (points[start, 1] + points[end, 1]) - row[1]
-        side = 1.0 if cx * row[10] + cy * row[11] > 0.0 else -1.0
-        for k in range(8, 14):
+            place, inwards = PLACES + 2 * part, INWARDS + 2 * part
+            row[place], row[place + 1] = x / reach, y / reach
+            row[inwards], row[inwards + 1] = nx / norm, ny / norm
+        cx = 0.5 * (points[start, 0] + points[end, 0]) - row[MIDDLE]
+        cy = 0.5 * (points[start, 1] + points[end, 1]) - row[MIDDLE + 1]
+        side = 1.0 if cx * row[INWARDS + 2] + cy * row[INWARDS + 3] > 0.0 else -1.0
+        for k in range(INWARDS, INWARDS + 6):
             row[k] *= side
-        row[16] = side
+        row[POLARITY] = side
         dx = points[end, 0] - points[start, 0]
         dy = points[end, 1] - points[start, 1]
         length = math.hypot(dx, dy)
@@ -120,19 +123,16 @@ def describe_arcs(
             nx, ny = -dy / length, dx / length
             if nx * cx + ny * cy < 0.0:
                 nx, ny = -nx, -ny
-            row[14], row[15] = nx, ny
-            row[17] = nx * cx + ny * cy
+            row[CHORD], row[CHORD + 1] = nx, ny
+            row[SAGITTA] = nx * cx + ny * cy
         else:
-            row[17] = math.hypot(cx, cy)
-            row[14], row[15] = cx / (row[17] + 1e-300), cy / (row[17] + 1e-300)
-        row[18] = size
-        far = 0.0
+            row[SAGITTA] = math.hypot(cx, cy)
+            row[CHORD], row[CHORD + 1] = cx / (row[SAGITTA] + 1e-300), cy / (row[SAGITTA] + 1e-300)
+        row[SIZE] = size
         for k in range(low, high):
-            x = points[order[k], 0] - row[0]
-            y = points[order[k], 1] - row[1]
-            far = max(far, x * x + y * y)
-            add_point(moments[i], x, y)
-        row[19] = math.sqrt(far)
+            add_point(
+                moments[i], points[order[k], 0] - row[MIDDLE], points[order[k], 1] - row[MIDDLE + 1]
+            )
     return table, moments
 
 
@@ -142,9 +142,9 @@ def longest_first(table: FloatArray, min_sagitta: float) -> IntArray:
 
     Of those as high that which comes first in the table.
     """
-    kept = np.flatnonzero(table[:, 17] >= min_sagitta)
-    kept = kept[np.argsort(-table[kept, 17], kind="mergesort")]
-    lengths = table[kept, 18].astype(np.int64)
+    kept = np.flatnonzero(table[:, SAGITTA] >= min_sagitta)
+    kept = kept[np.argsort(-table[kept, SAGITTA], kind="mergesort")]
+    lengths = table[kept, SIZE].astype(np.int64)
     starts = np.zeros(lengths.max() + 2 if len(kept) > 0 else 2, np.int64)
     for length in lengths:
         starts[length] += 1

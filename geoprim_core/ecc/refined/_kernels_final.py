@@ -8,11 +8,20 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_covariance import covariance_of, radius_at
-from geoprim_core.ecc._kernels_refined_fit import offset_of
-from geoprim_core.ecc._kernels_refined_order import order_around
-from geoprim_core.ecc._kernels_refined_refit import FAR, MAD, TUKEY, X, Y, measure_points, refit
-from geoprim_core.ecc._kernels_refined_support import arcs_of_points
+from geoprim_core.ecc.refined._kernels_covariance import covariance_of, radius_at
+from geoprim_core.ecc.refined._kernels_fit import offset_of
+from geoprim_core.ecc.refined._kernels_order import order_around
+from geoprim_core.ecc.refined._kernels_points import arcs_of_points
+from geoprim_core.ecc.refined._kernels_refit import (
+    FAR,
+    MAD,
+    TUKEY,
+    X,
+    Y,
+    measure_points,
+    refit_within,
+)
+from geoprim_core.ecc.refined._kernels_support import Supported
 
 GAP = 4.0  # pixels along the outline without support that end an arc
 NOISE_GAP = 12.0  # and that noise may leave
@@ -85,7 +94,7 @@ def parameters_of(points: FloatArray, ellipse: FloatArray) -> FloatArray:
 
 @kernel
 def refit_tightly(
-    points: FloatArray, ellipse: FloatArray, max_size: float, min_size: float
+    points: FloatArray, ellipse: FloatArray, max_major: float, min_minor: float
 ) -> float:
     """Refit an ellipse in place with weights as narrow as the scatter allows; return the width.
 
@@ -95,20 +104,11 @@ def refit_tightly(
     count = len(points)
     near = np.empty((3, count))
     near[X], near[Y] = points[:, 0], points[:, 1]
-    row = ellipse.copy()
     width = LEAST_WIDTH
     for _ in range(ROUNDS):
-        measure_points(near, count, row)
+        measure_points(near, count, ellipse)
         width = max(LEAST_WIDTH, TUKEY * MAD * np.median(near[FAR]))
-        if not refit(near, count, row, 2, width):
-            break
-        if row[2] > max_size or row[3] < min_size:
-            break
-        moved = 0.0
-        for k in range(4):
-            moved = max(moved, abs(row[k] - ellipse[k]))
-        ellipse[:] = row
-        if moved < SETTLED:
+        if refit_within(near, count, ellipse, width, max_major, min_minor) < SETTLED:
             break
     return width
 
@@ -215,13 +215,11 @@ def finish(
     points: FloatArray,
     order: IntArray,
     ends: IntArray,
-    ellipses: FloatArray,
-    offsets: IntArray,
-    support: IntArray,
+    verified: Supported,
     selected: IntArray,
     score: FloatArray,
-    max_size: float,
-    min_size: float,
+    max_major: float,
+    min_minor: float,
     spread: float,
     gap: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, bool]:
@@ -242,15 +240,15 @@ def finish(
     saliency = np.empty((3, count))
     for s in range(count):
         k = selected[best[s]]
-        chosen = support[offsets[k] : offsets[k + 1]]
-        ellipse = ellipses[k].copy()
+        chosen = verified.support[verified.offsets[k] : verified.offsets[k + 1]]
+        ellipse = verified.ellipses[k].copy()
         moved = unshrunk(points, chosen, ellipse, spread)
         parameter = parameters_of(moved, ellipse)
         sorting = order_around(parameter)
         parameter, moved = parameter[sorting], moved[sorting]
         kept = support_inside(parameter, ellipse, gap)
         inner = moved[kept]
-        width = refit_tightly(inner, ellipse, max_size, min_size)
+        width = refit_tightly(inner, ellipse, max_major, min_minor)
         rows[:, s] = ellipse
         covariances[s] = covariance_of(inner, ellipse, width, smoothing)
         saliency[0, s], saliency[2, s] = gap_figures(parameter, ellipse)

@@ -1,23 +1,45 @@
-"""Kernels of step 4 of the `refined` scheme: the opposite edge beside each edge, its mate."""
+"""Kernels of the `refined` scheme, strokes: the opposite edge beside each edge, its mate."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from geoprim_core._check import BoolArray, FloatArray, IntArray
+from geoprim_core._check import BoolArray, FloatArray, Int32Array, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_outline import Int32Array
-from geoprim_core.ecc._kernels_refined_second_look import Edges, complete_mates
+from geoprim_core.ecc.refined._kernels_second_look import OPPOSITE, MateSearch, complete_mates
 
 WORTHWHILE = 0.5  # share of the mates that a line needs from which more are looked for
 END = 6  # points at the end of a line of which only one edge may be seen
 DOUBTED = 3.0  # points without a mate that open contours are given: short ones have mates by chance
 BLOCK = 64  # points that mates are looked for together, at most
+NEAREST = 0.5  # pixels between mates, at least
 BIN = 0.25  # pixels, of the tally of distances
 LONG = 30.0  # points of a contour; on shorter ones noise decides
 LONG_SHARE = 0.5  # or that share of the longest: of small circles all contours are short
+
+
+class MateRoom(NamedTuple):
+    """Room for what `write_gaps` and `look_for_mates` note of `BLOCK` points.
+
+    Attributes
+    ----------
+    spots : (2 S, BLOCK) int32
+        Pixels along the normals, S on either side.
+    found : (2, n) int32
+        Edge points in these, and whose normal met them: k on the bright side, -1 - k on the dark.
+    rows : (6, BLOCK) float64
+        x, y and normal of the points, distance to the nearest mate on the dark and bright side.
+    tallies : (2, m) int64
+        Of the distances on either side.
+    """
+
+    spots: Int32Array
+    found: Int32Array
+    rows: FloatArray
+    tallies: IntArray
 
 
 @inner_kernel
@@ -38,21 +60,14 @@ def spots_along(
 
 
 @inner_kernel
-def write_gaps(
-    edges: Edges,
-    reach: float,
-    first: int,
-    last: int,
-    spots: Int32Array,
-    found: Int32Array,
-    rows: FloatArray,
-    gaps: FloatArray,
-) -> None:
+def write_gaps(search: MateSearch, first: int, last: int, room: MateRoom, gaps: FloatArray) -> None:
     """Write the `gaps` (see `find_mates`) of the points first .. last - 1, at most `BLOCK`.
 
     The points found are kept or not without a branch, as most pixels hold none.
     """
-    head, following, points, normals, heights, evenness = edges
+    head, following, points, normals = search.edges
+    heights, evenness, reach = search.heights, search.evenness, search.reach
+    spots, found, rows = room.spots, room.found, room.rows
     height, width = head.shape
     flat = head.reshape(head.size)
     steps = len(spots) // 2
@@ -84,7 +99,7 @@ def write_gaps(
             dot = normals[at, 0] * nx + normals[at, 1] * ny
             low, high = heights[at], heights[first + k]
             even = (low >= evenness * high) & (high >= evenness * low)
-            nearer = even & (dot < -0.9) & (along > 0.5) & (along < nearest[k])
+            nearer = even & (dot < OPPOSITE) & (along > NEAREST) & (along < nearest[k])
             nearest[k] = along if nearer else nearest[k]
             p = following[at]
     for k in range(last - first):
@@ -133,18 +148,14 @@ def most_alike(tally: IntArray, within: float) -> int:
 
 @inner_kernel
 def look_for_mates(
-    edges: Edges,
-    reach: float,
+    search: MateSearch,
     first: int,
     last: int,
     needed: float,
     fewest: float,
     within: float,
     twice: bool,
-    spots: Int32Array,
-    found: Int32Array,
-    rows: FloatArray,
-    tallies: IntArray,
+    room: MateRoom,
     gaps: FloatArray,
 ) -> None:
     """Write the gaps of the points of a contour, after one or two looks.
@@ -152,41 +163,25 @@ def look_for_mates(
     Not of all, as soon as it is certain that fewer than `fewest` of those on a side lie `within`
     so much of one distance. The second look is where a share of `needed` already does.
     """
+    tallies = room.tallies
     tallies[:] = 0
     for k in range(first, last, BLOCK):
         end = min(k + BLOCK, last)
-        write_gaps(
-            edges,
-            reach,
-            k,
-            end,
-            spots,
-            found,
-            rows,
-            gaps,
-        )
+        write_gaps(search, k, end, room, gaps)
         count_distances(gaps, k, end, tallies)
         alike = max(most_alike(tallies[0], within), most_alike(tallies[1], within))
         if alike + last - end < fewest:
             return
     for side in range(2 if twice else 0):
         if most_alike(tallies[side], within) >= WORTHWHILE * needed:
-            complete_mates(
-                edges,
-                reach,
-                first,
-                last,
-                2.0 * side - 1.0,
-                gaps[side],
-            )
+            complete_mates(search, first, last, 2.0 * side - 1.0, gaps[side])
 
 
 @kernel
 def find_mates(
-    edges: Edges,
+    search: MateSearch,
     offsets: IntArray,
     closed: BoolArray,
-    reach: float,
     least: int,
     alone: float,
     share: float,
@@ -194,9 +189,9 @@ def find_mates(
 ) -> tuple[FloatArray, bool]:
     """Return for every edge point the distances (2, N) to the nearest opposite edges, else 0.
 
-    One on the dark, one on the bright side. A mate lies within `reach` pixels along the gradient,
-    its own gradient points the other way and is as high, to `evenness` as the ratio of both: on
-    either side of a line is the same ground, but not of a rim. On contours of `least` points mates
+    One on the dark, one on the bright side. A mate lies along the gradient, its own
+    gradient points the other way and is about as high: on either side of a line is the same
+    ground, but not of a rim. On contours of `least` points mates
     are looked for twice (`complete_mates`).
 
     Also returned is whether more than a `share` of the points on long contours may have mates at
@@ -204,12 +199,15 @@ def find_mates(
     then of most contours that they have no width of their own, for which a share `alone` of their
     points needs such mates: the rest of these is not looked at.
     """
-    steps = int(reach)
-    gaps = np.zeros((2, len(edges[2])))
-    spots = np.empty((2 * steps, BLOCK), np.int32)
-    found = np.empty((2, 2 * steps * BLOCK + 1), np.int32)
-    rows = np.empty((6, BLOCK))
-    tallies = np.zeros((2, 2, int(reach / BIN) + 1), np.int64)
+    steps = int(search.reach)
+    gaps = np.zeros((2, len(search.heights)))
+    tallies = np.zeros((2, 2, int(search.reach / BIN) + 1), np.int64)  # own, of all long contours
+    room = MateRoom(
+        np.empty((2 * steps, BLOCK), np.int32),
+        np.empty((2, 2 * steps * BLOCK + 1), np.int32),
+        np.empty((6, BLOCK)),
+        tallies[0],
+    )
     seen = np.zeros(len(offsets) - 1, np.bool_)
     long = least_long(offsets)
     rest = points_of_long(offsets, long)
@@ -227,10 +225,8 @@ def find_mates(
                 needed = max(alone * (last - first - 2 * END + DOUBTED), shortest_open)
             fewest = needed * (WORTHWHILE if twice else 1.0)
             if drawn or last - first >= needed:
-                look_for_mates(
-                    edges, reach, first, last, needed,
-                    0.0 if drawn else fewest, within, twice, spots, found, rows, tallies[0], gaps,
-                )  # fmt: skip
+                fewest = 0.0 if drawn else fewest
+                look_for_mates(search, first, last, needed, fewest, within, twice, room, gaps)
             seen[c] = True
             if phase == 0:
                 count_distances(gaps, first, last, tallies[1])

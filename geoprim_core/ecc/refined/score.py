@@ -9,7 +9,7 @@ import numpy as np
 
 from geoprim_core import _check
 from geoprim_core._check import FloatArray
-from geoprim_core.ecc._kernels_refined_score import line_through
+from geoprim_core.ecc.refined._kernels_score import line_through
 from geoprim_core.errors import InputError
 
 MOST_LOG_ODDS = 30.0

@@ -8,9 +8,16 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_order import order_around
-from geoprim_core.ecc._kernels_refined_refit import solve5
-from geoprim_core.ecc._kernels_refined_support import doubt_of_clutter
+from geoprim_core.ecc.refined._kernels_order import order_around
+from geoprim_core.ecc.refined._kernels_refit import solve5
+from geoprim_core.ecc.refined._kernels_support import (
+    ACROSS_EACH,
+    COVERAGE,
+    EVIDENCE,
+    TURN_COVERAGE,
+    Supported,
+    doubt_of_clutter,
+)
 
 MOST_COVERED = 0.9  # share of the outline beyond which hardly anything is extrapolated
 LEAST_WIDTH = 0.05  # pixels, of the weights
@@ -145,10 +152,7 @@ def prediction_error(points: FloatArray, chosen: IntArray, ellipse: FloatArray) 
 @kernel
 def doubt_predictions(
     points: FloatArray,
-    ellipses: FloatArray,
-    figures: FloatArray,
-    offsets: IntArray,
-    support: IntArray,
+    found: Supported,
     growth: float,
     weight: float,
     least: float,
@@ -159,14 +163,14 @@ def doubt_predictions(
     the scatter may, in proportion to the unsupported rest of the outline. An ellipse
     whose evidence is below `least` without any clutter is left as it is.
     """
-    result = figures.copy()
-    for k in range(len(ellipses)):
+    result = found.figures.copy()
+    for k in range(len(result)):
         row = result[k]
-        share = min(row[1], row[2])
-        evidence = row[0] + doubt_of_clutter(share, row[4])
+        share = min(row[COVERAGE], row[TURN_COVERAGE])
+        evidence = row[EVIDENCE] + doubt_of_clutter(share, row[ACROSS_EACH])
         if evidence >= least and share < MOST_COVERED:
-            chosen = support[offsets[k] : offsets[k + 1]]
-            error = prediction_error(points, chosen, ellipses[k])
-            error /= 1.0 + growth * ellipses[k, 3]
-            row[0] -= weight * (1.0 - share) * math.log(max(1.0, error))
+            chosen = found.support[found.offsets[k] : found.offsets[k + 1]]
+            error = prediction_error(points, chosen, found.ellipses[k])
+            error /= 1.0 + growth * found.ellipses[k, 3]
+            row[EVIDENCE] -= weight * (1.0 - share) * math.log(max(1.0, error))
     return result

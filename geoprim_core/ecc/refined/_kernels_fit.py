@@ -10,7 +10,7 @@ import math
 
 from geoprim_core._check import FloatArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_conic import direct_conic, ellipse_of_conic
+from geoprim_core.ecc.refined._kernels_conic import direct_conic, ellipse_of_conic
 
 
 @inner_kernel

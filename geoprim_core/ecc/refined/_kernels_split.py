@@ -8,7 +8,9 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_fit import add_point, add_shifted, fit_moments, offset_of
+from geoprim_core.ecc.refined._kernels_fit import add_point, add_shifted, fit_moments, offset_of
+
+SAMPLES = 24  # points that tell how well an ellipse fits an arc
 
 
 @inner_kernel
@@ -219,7 +221,7 @@ def part_rms(
         return math.inf
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
     size = breaks[j] - breaks[i]
-    count = min(24, size + 1)
+    count = min(SAMPLES, size + 1)
     total = 0.0
     for k in range(count):
         back = count - 1 - k

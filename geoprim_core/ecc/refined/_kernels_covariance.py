@@ -8,10 +8,13 @@ import numpy as np
 
 from geoprim_core._check import FloatArray
 from geoprim_core._jit import kernel
-from geoprim_core.ecc._kernels_refined_fit import offset_of
-from geoprim_core.ecc._kernels_refined_refit import solve5
+from geoprim_core.ecc.refined._kernels_fit import offset_of
+from geoprim_core.ecc.refined._kernels_refit import solve5
 
 ANGLE_PRIOR = 12.0 / math.pi**2  # inverse variance of an angle of which nothing is known
+ANGLE_HOLD = 1e-6  # of the weight of the centre, that holds an angle which nothing determines
+LEAST_SLOPE = 0.3  # mean derivative of the weighted distances, however many points are far
+LEAST_NOISE = 1e-10  # square pixels: exact points have none
 
 # The noise of the distances at low frequencies along the outline, see `noise_of`.
 POINTS_PER_WAVE = 8.0  # half-waves shorter than so many points tell of single points only
@@ -138,16 +141,16 @@ def covariance_of(
         shift = 0.5 / radius_at(nu, nv, a, b)
         for i in range(5):
             bent[i] += row[i] * shift
-    distances /= max(0.3, slope / count)
+    distances /= max(LEAST_SLOPE, slope / count)
     normal = rows.T @ rows
     scale = normal[0, 0] + normal[1, 1]
     # An angle that nothing determines must not make the normal matrix singular.
     regular = normal.copy()
-    regular[4, 4] += 1e-6 * scale
+    regular[4, 4] += ANGLE_HOLD * scale
     inverse, good = inverse_of(regular)
     if not good:
         return np.full((5, 5), np.nan)
-    noise = max(noise_of(distances, rows, inverse, smoothing), 1e-10)
+    noise = max(noise_of(distances, rows, inverse, smoothing), LEAST_NOISE)
     normal /= noise
     normal[4, 4] += ANGLE_PRIOR
     result, good = inverse_of(normal)
