@@ -9,6 +9,7 @@ from pathlib import Path
 from geoprim_core.cli.benchmark_images import (
     BenchmarkImages,
     add_image_arguments,
+    add_time_limit,
     comparison_files,
     truth_of_folders,
     write_files,
@@ -50,9 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="[NAME=]PYTHON",
         help="the Python that runs a peer, or all of them; it needs numpy only",
     )
-    parser.add_argument(
-        "--time-limit", type=float, default=30.0, help="longest time of a peer's image [s] (30)"
-    )
+    add_time_limit(parser)
     parser.add_argument("--repeat", type=int, default=3, help="runs an image; the least counts (3)")
     parser.add_argument(
         "--clock",

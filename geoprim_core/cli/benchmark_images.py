@@ -67,6 +67,18 @@ def add_set_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quiet", action="store_true", help="show no progress bar")
 
 
+def add_time_limit(parser: argparse.ArgumentParser) -> None:
+    """Add how long a detector in another process may take."""
+    parser.add_argument(
+        "--time-limit",
+        type=float,
+        default=30.0,
+        metavar="SECONDS",
+        help="longest time of another detector for an image, which then counts as one where "
+        "nothing was found [s] (30)",
+    )
+
+
 class BenchmarkImages:
     """The images that the arguments name, read or rendered one by one.
 

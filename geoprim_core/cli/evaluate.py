@@ -9,6 +9,7 @@ from pathlib import Path
 from geoprim_core.cli.benchmark_images import (
     BenchmarkImages,
     add_set_arguments,
+    add_time_limit,
     comparison_files,
     write_files,
 )
@@ -49,6 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="judge another detector; see `geoprim bench detectors --help`",
     )
     parser.add_argument("--detector-python", metavar="PYTHON", help="the Python that runs it")
+    add_time_limit(parser)
     parser.add_argument("--worst", type=int, default=5, help="images listed as the worst (5)")
     parser.add_argument(
         "--output", type=Path, metavar="DIR", help="write tables (Markdown, CSV) and plots"
@@ -109,7 +111,8 @@ def _detector(arguments: argparse.Namespace) -> DetectorUnderTest:
     if arguments.detector is None:
         return OwnDetector("geoprim", detector_params(arguments))
     name = arguments.detector.rpartition(":")[2]
-    return Peer(name, arguments.detector, python=arguments.detector_python)
+    python, limit = arguments.detector_python, arguments.time_limit
+    return Peer(name, arguments.detector, python=python, time_limit=limit)
 
 
 def _markdown(comparison: Comparison, worst: int) -> str:
