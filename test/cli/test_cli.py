@@ -33,7 +33,8 @@ def refused(capsys, *words):
 
 def test_detect_prints_the_disc_and_draws_it(disc, tmp_path, capsys):
     overlay = tmp_path / "pictures" / "found.png"
-    assert main(["detect", str(disc), "--json", "--overlay", str(overlay)]) == 0
+    words = ["detect", str(disc), "--json", "--overlay", str(overlay), "--overlay.legend", "false"]
+    assert main(words) == 0
     found = json.loads(capsys.readouterr().out)
     (ellipse,) = found["ellipses"]
     assert (found["width"], found["height"]) == (160, 120)
@@ -41,8 +42,9 @@ def test_detect_prints_the_disc_and_draws_it(disc, tmp_path, capsys):
     assert abs(ellipse["y"] - 60.5) < 0.1
     assert abs(ellipse["semi_major"] - 35.5) < 0.2
     drawn, plain = read_image(overlay), read_image(disc)
-    changed = (drawn != plain[..., None]).any(axis=2)
-    y, x = np.nonzero(changed)
+    assert drawn.shape == (480, 640, 3)
+    changed = (drawn != plain.repeat(4, axis=0).repeat(4, axis=1)[..., None]).any(axis=2)
+    y, x = (np.array(np.nonzero(changed)) - 1.5) / 4
     radius = np.hypot(x - 70.25, y - 60.5)
     assert np.mean(np.abs(radius - 35.5) < 3) > 0.5, "the outline lies on the rim"
 
