@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from geoprim_core.cli.detector import (
+    IMAGE,
     add_detector_arguments,
     add_overlay_arguments,
     detector_params,
@@ -25,7 +26,7 @@ COLUMNS = ("x", "y", "semi_major", "semi_minor", "angle")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("images", nargs="+", type=Path, metavar="IMAGE")
+    parser.add_argument("images", nargs="+", type=Path, metavar="IMAGE", help=IMAGE)
     parser.add_argument(
         "--overlay",
         type=Path,
@@ -46,7 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
             image = read_image(path)
             found = detect_ellipses(image, params)
         except GeoprimError as problem:
-            print(f"geoprim detect: {path}: {problem}", file=sys.stderr)
+            said = problem if isinstance(problem, FileError) else f"{path}: {problem}"
+            print(f"geoprim detect: {said}", file=sys.stderr)
             failed += 1
             continue
         if not found.complete:

@@ -10,6 +10,7 @@ from importlib import import_module
 from types import ModuleType
 
 from geoprim_core import __version__
+from geoprim_core.cli.values import Parser
 from geoprim_core.errors import GeoprimError
 
 # Command -> one line of help. Each is a module of this room with `add_arguments` and `run`; a
@@ -42,7 +43,7 @@ COMMANDS = {
 
 def build_parser(chosen: str | None = None) -> argparse.ArgumentParser:
     """Return the parser; only the chosen command's arguments are filled in."""
-    parser = argparse.ArgumentParser(prog="geoprim", description=__doc__)
+    parser = Parser(prog="geoprim", description=__doc__)
     parser.add_argument("--version", action="version", version=f"geoprim {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, text in COMMANDS.items():
