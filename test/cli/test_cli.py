@@ -9,27 +9,7 @@ import pytest
 from geoprim_core.cli.main import COMMANDS, main
 from geoprim_core.ecc import DetectorParams
 from geoprim_core.io.images import read_image, write_image
-from geoprim_core.synthetic import disc_image, thesis_image
-
-
-@pytest.fixture
-def disc(tmp_path):
-    path = tmp_path / "disc.png"
-    write_image(path, disc_image(160, 120, centre=(70.25, 60.5), radius=35.5))
-    return path
-
-
-def refused(capsys, *words):
-    """Run a command that has to end with code 2 and one line; return the line."""
-    try:
-        code = main([str(word) for word in words])
-    except SystemExit as end:  # argparse
-        code = end.code
-    captured = capsys.readouterr()
-    assert code == 2, captured
-    assert "Traceback" not in captured.err
-    (line,) = captured.err.strip().splitlines()
-    return line
+from geoprim_core.synthetic import thesis_image
 
 
 def test_detect_prints_the_disc_and_draws_it(disc, tmp_path, capsys):
@@ -102,8 +82,8 @@ def test_a_bad_image_does_not_hide_the_good_one(disc, tmp_path, capsys):
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else None,
 )
-def test_a_refusal_says_what_was_expected(words, said, disc, capsys):
-    assert said in refused(capsys, *[disc if word == "DISC" else word for word in words])
+def test_a_refusal_says_what_was_expected(words, said, disc, refused):
+    assert said in refused(*[disc if word == "DISC" else word for word in words])
 
 
 def test_an_overlay_that_cannot_be_written(disc, capsys):

@@ -28,24 +28,6 @@ def actions(command):
     return found
 
 
-def refused(capsys, *words):
-    """Run a command that has to end with code 2 and one line; return the line."""
-    try:
-        code = main([str(word) for word in words])
-    except SystemExit as end:  # of the parser
-        code = end.code
-    (line,) = capsys.readouterr().err.splitlines()
-    assert code == 2, line
-    return line
-
-
-@pytest.fixture
-def disc(tmp_path):
-    path = tmp_path / "disc.png"
-    write_image(path, disc_image(160, 120, centre=(70.25, 60.5), radius=35.5))
-    return path
-
-
 @pytest.fixture
 def file(tmp_path):
     path = tmp_path / "a_file"
@@ -90,10 +72,10 @@ def test_what_is_no_ratio_and_no_time_is_refused(text):
             reader(text)
 
 
-def test_a_wrong_choice_is_answered_by_the_right_ones(disc, capsys):
-    line = refused(capsys, "detect", disc, "--scheme", "7")
+def test_a_wrong_choice_is_answered_by_the_right_ones(disc, refused):
+    line = refused("detect", disc, "--scheme", "7")
     assert line.startswith("geoprim detect: --scheme: expected one of refined, 1, 2, 3, got '7'")
-    assert "expected one of detect, process" in refused(capsys, "detcet", disc)
+    assert "expected one of detect, process" in refused("detcet", disc)
 
 
 @pytest.mark.parametrize(
@@ -109,38 +91,38 @@ def test_a_wrong_choice_is_answered_by_the_right_ones(disc, capsys):
     ],
     ids=lambda words: words[0],
 )
-def test_a_file_in_the_way_of_a_folder_is_named(words, disc, file, capsys):
+def test_a_file_in_the_way_of_a_folder_is_named(words, disc, file, refused):
     names = {"IMAGE": str(disc), "FILE": str(file)}
     filled = [names.get(w, w) for w in words]
     filled = [w.replace("FILE/", f"{file}/") for w in filled]
-    assert f"{file} is a file, not a folder" in refused(capsys, *filled)
+    assert f"{file} is a file, not a folder" in refused(*filled)
 
 
 @pytest.mark.parametrize("command", ["tangents", "bench"])
-def test_a_folder_in_the_place_of_a_table_is_told(command, disc, tmp_path, capsys):
+def test_a_folder_in_the_place_of_a_table_is_told(command, disc, tmp_path, refused):
     words = [command, disc, "--csv", tmp_path, *(["--repeat", 1] if command == "bench" else [])]
-    assert f"cannot write {tmp_path}: Is a directory" in refused(capsys, *words)
+    assert f"cannot write {tmp_path}: Is a directory" in refused(*words)
 
 
-def test_a_format_that_is_not_known_is_answered_by_those_that_are(disc, tmp_path, capsys):
-    line = refused(capsys, "detect", disc, "--overlay", tmp_path / "o.xyz")
+def test_a_format_that_is_not_known_is_answered_by_those_that_are(disc, tmp_path, refused):
+    line = refused("detect", disc, "--overlay", tmp_path / "o.xyz")
     assert "o.xyz: expected a name that ends in .png, .jpg" in line
 
 
 @pytest.mark.parametrize("command", ["evaluate", "calibrate"])
-def test_an_image_or_nothing_is_no_ground_truth(command, disc, tmp_path, capsys):
-    assert "got a file" in refused(capsys, command, disc)
-    line = refused(capsys, command, tmp_path, "--images", tmp_path / "nowhere")
+def test_an_image_or_nothing_is_no_ground_truth(command, disc, tmp_path, refused):
+    assert "got a file" in refused(command, disc)
+    line = refused(command, tmp_path, "--images", tmp_path / "nowhere")
     assert "nowhere: expected a folder" in line
 
 
-def test_a_folder_without_curves_reproduces_nothing(tmp_path, capsys):
-    assert "expected chain codes" in refused(capsys, "reproduce", "polygon", tmp_path)
+def test_a_folder_without_curves_reproduces_nothing(tmp_path, refused):
+    assert "expected chain codes" in refused("reproduce", "polygon", tmp_path)
 
 
-def test_results_of_a_bag_are_not_shown_on_images(disc, tmp_path, capsys):
+def test_results_of_a_bag_are_not_shown_on_images(disc, tmp_path, refused):
     words = ("view", disc, "--results", tmp_path / "r.mcap", "--save", tmp_path / "s.mcap")
-    assert "--results: expected a bag" in refused(capsys, *words)
+    assert "--results: expected a bag" in refused(*words)
 
 
 def test_a_file_of_a_wrong_image_is_named_once(tmp_path, capsys):
