@@ -133,9 +133,10 @@ class Page:
 
 
 def draw_caption(page: Page, text: str) -> None:
-    """Write a line into the top left corner."""
+    """Write a line into the top left corner; leave it out where it has no room."""
     wide, high = page.size_of(text)
-    page.write(text, Box(2.0, 2.0, 2.0 + wide, 2.0 + high), _WHITE)
+    if wide + 4.0 <= page.canvas.shape[1]:
+        page.write(text, Box(2.0, 2.0, 2.0 + wide, 2.0 + high), _WHITE)
 
 
 class Legend(NamedTuple):
