@@ -166,9 +166,9 @@ def nothing_stays_in_memory():
     clean(settled_s=1.0)
 
 
-def left_in(domain):
+def left_in(domain, limit_s=LEFT_S):
     """Wait until a domain is empty; return number -> command of who stays, which is ended."""
-    end = time.monotonic() + LEFT_S
+    end = time.monotonic() + limit_s
     while domain.sockets() and time.monotonic() < end:
         time.sleep(0.02)
     found = owners(domain.sockets())
@@ -176,6 +176,11 @@ def left_in(domain):
         with suppress(ProcessLookupError):
             os.kill(number, signal.SIGKILL)
     return found
+
+
+@pytest.fixture
+def who_stays():
+    return left_in
 
 
 @pytest.fixture

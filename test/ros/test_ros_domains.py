@@ -20,6 +20,14 @@ print(domain.number, flush=True)
 time.sleep(600)
 """
 
+STRAY = """
+import socket, sys, time
+stray = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+stray.bind(("127.0.0.1", int(sys.argv[1])))
+print("here", flush=True)
+time.sleep(600)
+"""
+
 
 @pytest.fixture
 def free():
@@ -79,6 +87,19 @@ def test_the_owner_of_a_port_in_a_domain_is_told(free):
         assert list(domain.sockets().values()) == [7400 + 250 * free + 11]
         assert list(owners(domain.sockets())) == [os.getpid()]
     assert domain.sockets() == {}
+    domain.release()
+
+
+def test_who_stays_in_a_domain_when_a_test_is_over_is_told_and_ended(free, who_stays):
+    domain, port = take_domain([free]), str(7400 + 250 * free + 11)
+    words = [sys.executable, "-c", STRAY, port]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as stray:
+        assert stray.stdout.readline() == "here\n"
+        (number,) = found = who_stays(domain, limit_s=0.1)
+        assert number == stray.pid
+        assert port in found[number]
+        assert stray.wait(30) == -signal.SIGKILL
+    assert who_stays(domain, limit_s=0.1) == {}
     domain.release()
 
 
