@@ -7,14 +7,20 @@ import math
 from collections.abc import Callable
 from typing import Any, NoReturn
 
+from geoprim_core.errors import GeoprimError
+
+
+class UsageError(GeoprimError):
+    """The words of a command line are wrong; the message names the command."""
+
 
 class Parser(argparse.ArgumentParser):
     """A parser whose refusal is one line, as that of the commands: what, expected, got."""
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong and end with exit code 2."""
+        """Raise what is wrong, as every other refusal of a command."""
         said = message.removeprefix("argument ")
-        self.exit(2, f"{self.prog}: {said}; see {self.prog} --help\n")
+        raise UsageError(f"{self.prog}: {said}; see {self.prog} --help")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         choices = action.choices

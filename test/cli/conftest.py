@@ -20,10 +20,7 @@ def refused(capsys):
     """Run a command that has to end with code 2 and one line; return the line."""
 
     def run(*words):
-        try:
-            code = main([str(word) for word in words])
-        except SystemExit as end:  # of the parser
-            code = end.code
+        code = main([str(word) for word in words])
         (line,) = capsys.readouterr().err.splitlines()
         assert code == 2, line
         return line
