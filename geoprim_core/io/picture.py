@@ -57,8 +57,9 @@ def draw_picture(
     shown = displayed(image)
     times = enlargement(shown.shape)
     found, objects = _enlarged(ellipses, times), _enlarged(detections, times)
-    large = shown.repeat(times, axis=0).repeat(times, axis=1)
-    picture = draw_overlay(large, ellipses=found, detections=objects, params=params, scheme=scheme)
+    if times > 1:
+        shown = shown.repeat(times, axis=0).repeat(times, axis=1)
+    picture = draw_overlay(shown, ellipses=found, detections=objects, params=params, scheme=scheme)
     legend = legend_of(to_show(found, objects, params), params, scheme)
     return _with_legend(picture, legend, params) if params.legend else picture
 
