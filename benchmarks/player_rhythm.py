@@ -10,7 +10,6 @@ up at the same times: what the machine itself does to the rhythm. All in millise
 from __future__ import annotations
 
 import argparse
-import os
 import subprocess
 import sys
 import tempfile
@@ -27,6 +26,7 @@ from tqdm import tqdm
 
 from geoprim_core.io.bags import BagWriter
 from geoprim_core.io.image_message import image_record
+from geoprim_ros.domains import stay_apart
 from geoprim_ros.spin import in_rclpy
 from geoprim_ros.stage_node import result_qos
 
@@ -44,8 +44,7 @@ def main() -> None:
     parser.add_argument("--rates", type=float, nargs="+", default=[1.0, 4.0])
     parser.add_argument("--channels", type=int, nargs="+", default=[1, 3], choices=[1, 3])
     options = parser.parse_args()
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
+    stay_apart()
     print(HEAD + "\n" + "|---|" + "---:|" * (HEAD.count("|") - 2))
     with tempfile.TemporaryDirectory() as folder:
         for channels in options.channels:

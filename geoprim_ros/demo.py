@@ -7,7 +7,6 @@ graph is started once for every scenario, with the configuration file of that sc
 from __future__ import annotations
 
 import argparse
-import os
 import signal
 import subprocess
 import sys
@@ -25,6 +24,7 @@ from geoprim_core.errors import BagError, GeoprimError
 from geoprim_core.io.bags import BagMessage, BagReader
 from geoprim_core.io.record import stamp_of
 from geoprim_ros.demo_report import Scenario, report
+from geoprim_ros.domains import stay_apart
 from geoprim_ros.environment import config_folder
 from geoprim_ros.nodes.bag_player import BagPlayer, play, wait_for_readers
 from geoprim_ros.playback import Playback
@@ -207,9 +207,8 @@ def main(args: Sequence[str] | None = None) -> int:
     parser.add_argument("--output", type=Path, default=Path("output", "demo"))
     parser.add_argument("--rate", type=float, default=1.0, help="times the speed (default 1)")
     options = parser.parse_args(args)
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
     try:
+        stay_apart()
         folder = config_folder()
         if folder is None:
             raise BagError("the folder with the configuration files was not found")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import csv
 from pathlib import Path
 
 from geoprim_core.cli.detector import add_detector_arguments, detector_params
+from geoprim_core.cli.values import whole
 from geoprim_core.errors import FileError
 from geoprim_core.evaluation.peer_runner import CLOCKS
 from geoprim_core.evaluation.speed import measure_chain, measure_first_detection
+from geoprim_core.io.files import write_table
 from geoprim_core.io.images import list_images, read_image, resize_image
 from geoprim_core.io.photographs import packaged_photographs
 
@@ -23,21 +24,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="IMAGE|FOLDER",
         help="default: the photographs that the installed scikit-image ships",
     )
-    parser.add_argument("--repeat", type=int, default=7, help="runs an image (default 7)")
+    parser.add_argument("--repeat", type=whole(), default=7, help="runs an image (default 7)")
     parser.add_argument(
         "--size",
-        type=int,
+        type=whole(),
         nargs=2,
         metavar=("WIDTH", "HEIGHT"),
-        help="bring every image to this size first, those higher than wide to it turned",
+        help="bring every image to this size [px] first, those higher than wide to it turned",
     )
     parser.add_argument(
         "--clock",
         choices=list(CLOCKS),
         default="elapsed",
-        help="time that passes, or time on the processor, which is steadier on a busy machine",
+        help="time that passes (elapsed), or time on the processor, steadier on a busy machine",
     )
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="write one row an image")
+    parser.add_argument(
+        "--csv", type=Path, metavar="FILE", help="write one row an image, in milliseconds"
+    )
     add_detector_arguments(parser)
 
 
@@ -54,8 +57,6 @@ def run(arguments: argparse.Namespace) -> int:
     print(times.markdown())
     print(f"\nFirst detection in a fresh process: {measure_first_detection():.2f} s")
     if arguments.csv is not None:
-        with arguments.csv.open("w", newline="") as file:
-            table = csv.writer(file)
-            table.writerow(["image", "width", "height", *times.stages, "total"])
-            table.writerows(times.rows())
+        heading = ["image", "width", "height", *times.stages, "total"]
+        write_table(arguments.csv, heading, times.rows())
     return 0

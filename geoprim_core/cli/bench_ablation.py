@@ -14,6 +14,7 @@ from geoprim_core.cli.benchmark_images import (
     write_files,
 )
 from geoprim_core.cli.detector import add_detector_arguments, detector_params
+from geoprim_core.cli.values import whole
 from geoprim_core.errors import InputError
 from geoprim_core.evaluation.ablation import (
     DEPARTURES,
@@ -31,9 +32,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--only",
         nargs="+",
         metavar="WORD",
-        help="the departures with one of these words in their name",
+        help="the departures with one of these words in their name (all)",
     )
-    parser.add_argument("--repeat", type=int, default=1, help="runs an image; the least counts (1)")
+    parser.add_argument(
+        "--repeat", type=whole(), default=1, help="runs an image; the least counts (1)"
+    )
     parser.add_argument("--output", type=Path, metavar="DIR", help="write the tables as files")
     add_detector_arguments(parser)
 

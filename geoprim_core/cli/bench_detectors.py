@@ -9,11 +9,13 @@ from pathlib import Path
 from geoprim_core.cli.benchmark_images import (
     BenchmarkImages,
     add_image_arguments,
+    add_time_limit,
     comparison_files,
     truth_of_folders,
     write_files,
 )
 from geoprim_core.cli.overlays import write_overlays
+from geoprim_core.cli.values import whole
 from geoprim_core.ecc import TABLE
 from geoprim_core.errors import InputError
 from geoprim_core.evaluation.comparison import Comparison, compare_detectors
@@ -48,19 +50,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="[NAME=]PYTHON",
-        help="the Python that runs a peer, or all of them; it needs numpy only",
+        help="the Python that runs a peer, or all of them; it needs numpy only (this one)",
     )
+    add_time_limit(parser)
     parser.add_argument(
-        "--time-limit", type=float, default=30.0, help="longest time of a peer's image [s] (30)"
+        "--repeat", type=whole(), default=3, help="runs an image; the least counts (3)"
     )
-    parser.add_argument("--repeat", type=int, default=3, help="runs an image; the least counts (3)")
     parser.add_argument(
         "--clock",
         choices=list(CLOCKS),
         default="elapsed",
-        help="time that passes, or time on the processor, which is steadier on a busy machine",
+        help="time that passes (elapsed), or time on the processor, steadier on a busy machine",
     )
-    parser.add_argument("--worst", type=int, default=5, help="images listed as the worst (5)")
+    parser.add_argument("--worst", type=whole(0), default=5, help="images listed as the worst (5)")
     parser.add_argument(
         "--output", type=Path, metavar="DIR", help="write the tables as Markdown and CSV, and plots"
     )

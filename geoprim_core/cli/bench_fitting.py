@@ -9,14 +9,15 @@ from pathlib import Path
 from tqdm import tqdm
 
 from geoprim_core.cli.benchmark_images import write_files
+from geoprim_core.cli.values import whole
 from geoprim_core.evaluation.fit_speed import fit_speed_markdown, measure_fits
 from geoprim_core.io.fit_peers import REFERENCE, peer_calls
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("--arcs", type=int, default=10_000, help="arcs in a batch (10000)")
-    parser.add_argument("--repeat", type=int, default=15, help="runs of a single call (15)")
+    parser.add_argument("--arcs", type=whole(), default=10_000, help="arcs in a batch (10000)")
+    parser.add_argument("--repeat", type=whole(), default=15, help="runs of a single call (15)")
     parser.add_argument("--output", type=Path, metavar="DIR", help="write the table as Markdown")
     parser.add_argument("--quiet", action="store_true", help="show no progress bar")
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from geoprim_core.cli.benchmark_images import write_files
+from geoprim_core.cli.values import whole
 from geoprim_core.errors import InputError
 from geoprim_core.evaluation.polygon_speed import (
     PEERS,
@@ -25,10 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--workloads",
         nargs="+",
-        type=int,
-        choices=range(1, len(WORKLOADS) + 1),
+        type=whole(1, len(WORKLOADS)),
         default=list(range(1, len(WORKLOADS) + 1)),
-        help="; ".join(f"{k}: {name}" for k, name in enumerate(WORKLOADS, 1)) + " (all)",
+        help="; ".join(f"{k}: {name} points" for k, name in enumerate(WORKLOADS, 1)) + " (all)",
     )
     parser.add_argument(
         "--peer-python",
@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="[NAME=]PYTHON",
         help=f"the Python that runs a peer ({', '.join(PEERS)}), or all of them; default this one",
     )
-    parser.add_argument("--repeat", type=int, default=5, help="runs; the least counts (5)")
+    parser.add_argument("--repeat", type=whole(), default=5, help="runs; the least counts (5)")
     parser.add_argument("--output", type=Path, metavar="DIR", help="write the table as Markdown")
 
 

@@ -6,7 +6,8 @@ import argparse
 from importlib import import_module
 from pathlib import Path
 
-from geoprim_core.errors import GeoprimError
+from geoprim_core.cli.values import positive
+from geoprim_core.errors import FileError, GeoprimError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--sizes", nargs="+", metavar="SIZE", default=["640x480", "1920x1080"],
         help="640x480, 1920x1080 (default: both)",
     )  # fmt: skip
-    parser.add_argument("--seconds", type=float, default=6.0, help="length of a run [s] (6)")
+    parser.add_argument("--seconds", type=positive, default=6.0, help="length of a run [s] (6)")
     parser.add_argument("--config", type=Path, metavar="FILE", help="parameters of the graph")
     parser.add_argument(
         "--own-profile-only", action="store_true", help="do not measure the stock Fast DDS profile"
@@ -38,6 +39,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Measure, where ROS 2 is installed."""
+    config = arguments.config
+    if config is not None and not config.is_file():
+        raise FileError(f"--config: expected a file with parameters of nodes, got {config}")
     try:
         for needed in ("rclpy", "geoprim_msgs.msg"):
             import_module(needed)

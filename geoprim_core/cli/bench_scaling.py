@@ -12,6 +12,7 @@ from tqdm import tqdm
 
 from geoprim_core.cli.benchmark_images import save, write_files
 from geoprim_core.cli.detector import add_detector_arguments, detector_params
+from geoprim_core.cli.values import whole
 from geoprim_core.evaluation.scaling import (
     ARC_COUNTS,
     SIZES,
@@ -40,10 +41,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="the photograph that is mirrored on to every size (default: scikit-image's coins)",
     )
     parser.add_argument(
-        "--max-width", type=int, default=SIZES[-1][0], help="widest image [px] (4096)"
+        "--max-width", type=whole(), default=SIZES[-1][0], help="widest image [px] (4096)"
     )
-    parser.add_argument("--max-arcs", type=int, default=ARC_COUNTS[-1], help="most arcs (20000)")
-    parser.add_argument("--repeat", type=int, default=3, help="runs a size; the least counts (3)")
+    parser.add_argument(
+        "--max-arcs", type=whole(), default=ARC_COUNTS[-1], help="most arcs (20000)"
+    )
+    parser.add_argument(
+        "--repeat", type=whole(), default=3, help="runs a size; the least counts (3)"
+    )
     parser.add_argument("--output", type=Path, metavar="DIR", help="write Markdown and plots")
     parser.add_argument("--quiet", action="store_true", help="show no progress bar")
     add_detector_arguments(parser)

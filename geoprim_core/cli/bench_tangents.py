@@ -9,8 +9,11 @@ from pathlib import Path
 from tqdm import tqdm
 
 from geoprim_core.cli.benchmark_images import write_files
+from geoprim_core.cli.values import whole
 from geoprim_core.evaluation.tangent_speed import SIZES, measure_tangents
 from geoprim_core.tangent import TABLE
+
+_SHORTEST = 16  # pixels, below which there is no digital circle
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,10 +23,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="default: all 73",
     )  # fmt: skip
     parser.add_argument(
-        "--sizes", nargs="+", type=int, metavar="PIXELS", default=SIZES,
-        help="lengths of the digital circles (default 1000 and 1000000; hybrids up to 100000)",
+        "--sizes", nargs="+", type=whole(_SHORTEST), metavar="PIXELS", default=SIZES,
+        help="lengths of the digital circles [px] (default 1000 and 1000000; hybrids up to 100000)",
     )  # fmt: skip
-    parser.add_argument("--repeat", type=int, default=5, help="runs; the least time counts (5)")
+    parser.add_argument("--repeat", type=whole(), default=5, help="runs; the least time counts (5)")
     parser.add_argument("--output", type=Path, metavar="DIR", help="write the table as Markdown")
     parser.add_argument("--quiet", action="store_true", help="show no progress bar")
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from tqdm import tqdm
 
+from geoprim_core.cli.values import positive, ratio, whole
 from geoprim_core.errors import FileError, InputError
 from geoprim_core.evaluation import GroundTruth, load_ground_truth
 from geoprim_core.evaluation.benchmark_sets import (
@@ -21,6 +22,7 @@ from geoprim_core.evaluation.benchmark_sets import (
 )
 from geoprim_core.evaluation.comparison import Comparison
 from geoprim_core.evaluation.comparison_tables import comparison_csv, comparison_images_csv
+from geoprim_core.io.files import make_folder
 from geoprim_core.io.images import read_image
 from geoprim_core.io.photographs import packaged_backgrounds
 from geoprim_core.plotting import plot_precision_recall, plot_time_accuracy
@@ -55,16 +57,29 @@ def add_set_arguments(parser: argparse.ArgumentParser) -> None:
         + ", ".join(BENCHMARK_SETS),
     )
     parser.add_argument(
-        "--count", type=int, default=24, help="images a rendered set; best a multiple of 6 (24)"
+        "--count", type=whole(), default=24, help="images a rendered set; best a multiple of 6 (24)"
     )
-    parser.add_argument("--seed", type=int, default=0, help="seed of the rendered sets (0)")
+    parser.add_argument("--seed", type=whole(0), default=0, help="seed of the rendered sets (0)")
     parser.add_argument(
         "--overlap",
-        type=float,
+        type=ratio,
         nargs="+",
+        metavar="RATIO",
         help="least overlaps of a hit (default: 0.8, rendered sets what belongs to them)",
     )
     parser.add_argument("--quiet", action="store_true", help="show no progress bar")
+
+
+def add_time_limit(parser: argparse.ArgumentParser) -> None:
+    """Add how long a detector in another process may take."""
+    parser.add_argument(
+        "--time-limit",
+        type=positive,
+        default=30.0,
+        metavar="SECONDS",
+        help="longest time of another detector for an image, which then counts as one where "
+        "nothing was found [s] (30)",
+    )
 
 
 class BenchmarkImages:
@@ -96,8 +111,6 @@ class BenchmarkImages:
         self._sets = select_sets(arguments.sets or ([] if truth else default_sets))
         if not self._sets and not truth:
             raise InputError("path, --sets", "images with ground truth or a rendered set", "none")
-        if arguments.count < 1:
-            raise InputError("--count", "at least one image a set", f"{arguments.count}")
 
     def __len__(self) -> int:
         """Return the number of images."""
@@ -142,8 +155,8 @@ def truth_of_folders(folders: Sequence[Path]) -> list[GroundTruth]:
 
 def write_files(folder: Path, files: dict[str, Callable[[Path], object]]) -> None:
     """Write files into a folder, made where it is missing, and say which."""
+    make_folder(folder)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         for name, write in files.items():
             write(folder / name)
     except OSError as problem:

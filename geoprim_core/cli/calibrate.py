@@ -5,13 +5,15 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from geoprim_core.cli.benchmark_images import save, write_files
+from geoprim_core.cli.values import ratio, whole
 from geoprim_core.ecc import DetectorParams, detect_ellipses
 from geoprim_core.ecc.refined.score import SCORE_MAP
-from geoprim_core.errors import FileError
 from geoprim_core.evaluation import (
     Coverage,
     GroundTruth,
@@ -46,13 +48,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--images", type=Path, metavar="DIR", help="where the images of the ground truth lie"
     )
-    parser.add_argument("--scenes", type=int, default=4, help="size of synthetic sets (default 4)")
     parser.add_argument(
-        "--singles", type=int, default=1000, help="pictures to judge covariances by (default 1000)"
+        "--scenes", type=whole(), default=4, help="scenes a synthetic set (default 4)"
     )
-    parser.add_argument("--seed", type=int, default=0, help="of all scenes (default 0)")
     parser.add_argument(
-        "--min-score", type=float, default=0.0, help="least score of a detection (default 0)"
+        "--singles",
+        type=whole(0),
+        default=1000,
+        help="pictures of one ellipse to judge covariances by; 0: do not (default 1000)",
+    )
+    parser.add_argument("--seed", type=whole(0), default=0, help="seed of all scenes (default 0)")
+    parser.add_argument(
+        "--min-score", type=ratio, default=0.0, help="least score of a detection (default 0)"
     )
     parser.add_argument(
         "--fit", action="store_true", help="fit the map from evidence to score, and print it"
@@ -108,13 +115,7 @@ def _print_fit(samples: ScoredDetections) -> None:
 
 
 def _write(samples: ScoredDetections, coverage: Coverage | None, folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        pictures = {"reliability.png": plot_reliability(measure_reliability(samples))}
-        if coverage is not None:
-            pictures["coverage.png"] = plot_coverage(coverage)
-        for name, axes in pictures.items():
-            axes.figure.savefig(folder / name, dpi=150)
-    except OSError as problem:
-        raise FileError(f"cannot write to {folder}: {problem.strerror}") from None
-    print(f"\nwritten: {', '.join(str(folder / name) for name in pictures)}")
+    axes = {"reliability.png": plot_reliability(measure_reliability(samples))}
+    if coverage is not None:
+        axes["coverage.png"] = plot_coverage(coverage)
+    write_files(folder, {name: partial(save, plot.figure) for name, plot in axes.items()})

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from geoprim_core.cli.detector import (
+    IMAGE,
     add_detector_arguments,
     add_overlay_arguments,
     detector_params,
@@ -16,8 +17,8 @@ from geoprim_core.cli.detector import (
 )
 from geoprim_core.ecc import detect_ellipses
 from geoprim_core.errors import FileError, GeoprimError
-from geoprim_core.io.drawing import draw_overlay
 from geoprim_core.io.images import read_image, write_image
+from geoprim_core.io.picture import draw_picture
 from geoprim_core.types import EllipseDetections
 
 COLUMNS = ("x", "y", "semi_major", "semi_minor", "angle")
@@ -25,12 +26,12 @@ COLUMNS = ("x", "y", "semi_major", "semi_minor", "angle")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("images", nargs="+", type=Path, metavar="IMAGE")
+    parser.add_argument("images", nargs="+", type=Path, metavar="IMAGE", help=IMAGE)
     parser.add_argument(
         "--overlay",
         type=Path,
         metavar="PNG",
-        help="draw the ellipses on the image; with several images a folder",
+        help="draw the ellipses on the image, a small one enlarged; with several images a folder",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object an image")
     add_detector_arguments(parser)
@@ -46,7 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
             image = read_image(path)
             found = detect_ellipses(image, params)
         except GeoprimError as problem:
-            print(f"geoprim detect: {path}: {problem}", file=sys.stderr)
+            said = problem if isinstance(problem, FileError) else f"{path}: {problem}"
+            print(f"geoprim detect: {said}", file=sys.stderr)
             failed += 1
             continue
         if not found.complete:
@@ -54,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.overlay is not None:
             target = _overlay_path(arguments.overlay, path, len(arguments.images))
             scheme = params.ecc.scheme
-            picture = draw_overlay(image, ellipses=found, params=shown, scheme=scheme)
+            picture = draw_picture(image, ellipses=found, params=shown, scheme=scheme)
             write_image(target, picture)
         print(json.dumps(as_json(path, found)) if arguments.json else as_table(path, found))
     return 1 if failed else 0

@@ -8,6 +8,8 @@ from geoprim_core.cli.options import add_params, given_params
 from geoprim_core.ecc import TABLE, DetectorParams
 from geoprim_core.io.shown import OverlayParams, ViewParams
 
+IMAGE = "a PNG, JPEG, TIFF, ... file; its pixels as stored, an EXIF turn is not carried out"
+
 
 def add_detector_arguments(parser: argparse.ArgumentParser) -> None:
     """Add `--scheme` and every parameter of the chain."""

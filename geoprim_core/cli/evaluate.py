@@ -9,11 +9,13 @@ from pathlib import Path
 from geoprim_core.cli.benchmark_images import (
     BenchmarkImages,
     add_set_arguments,
+    add_time_limit,
     comparison_files,
     write_files,
 )
 from geoprim_core.cli.detector import add_detector_arguments, detector_params
 from geoprim_core.cli.overlays import write_overlays
+from geoprim_core.cli.values import whole
 from geoprim_core.errors import FileError, InputError
 from geoprim_core.evaluation import OVERLAPS, Report, load_ground_truth
 from geoprim_core.evaluation.comparison import Comparison, compare_detectors
@@ -48,8 +50,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MODULE:CALLABLE",
         help="judge another detector; see `geoprim bench detectors --help`",
     )
-    parser.add_argument("--detector-python", metavar="PYTHON", help="the Python that runs it")
-    parser.add_argument("--worst", type=int, default=5, help="images listed as the worst (5)")
+    parser.add_argument(
+        "--detector-python", metavar="PYTHON", help="the Python that runs it (this one)"
+    )
+    add_time_limit(parser)
+    parser.add_argument("--worst", type=whole(0), default=5, help="images listed as the worst (5)")
     parser.add_argument(
         "--output", type=Path, metavar="DIR", help="write tables (Markdown, CSV) and plots"
     )
@@ -61,8 +66,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the tables; with --output write them and the plots, with --overlays pictures."""
-    if arguments.path is not None and not arguments.path.exists():
-        raise FileError(f"{arguments.path}: no such file or folder")
+    path = arguments.path
+    if path is not None and not path.exists():
+        raise FileError(f"{path}: no such file or folder")
+    if path is not None and path.is_file() and path.suffix != ".mcap":
+        raise FileError(f"{path}: expected a bag (.mcap) or a folder with ground truth, got a file")
     if _is_bag(arguments.path):
         _evaluate_bag(arguments)
     else:
@@ -109,7 +117,8 @@ def _detector(arguments: argparse.Namespace) -> DetectorUnderTest:
     if arguments.detector is None:
         return OwnDetector("geoprim", detector_params(arguments))
     name = arguments.detector.rpartition(":")[2]
-    return Peer(name, arguments.detector, python=arguments.detector_python)
+    python, limit = arguments.detector_python, arguments.time_limit
+    return Peer(name, arguments.detector, python=python, time_limit=limit)
 
 
 def _markdown(comparison: Comparison, worst: int) -> str:

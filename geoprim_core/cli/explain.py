@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import csv
 import sys
 from dataclasses import asdict, fields
 from pathlib import Path
 
-from geoprim_core.cli.detector import add_detector_arguments, detector_params
-from geoprim_core.errors import FileError
+from geoprim_core.cli.detector import IMAGE, add_detector_arguments, detector_params
 from geoprim_core.io.explain import Hypothesis, explain_detection
+from geoprim_core.io.files import write_table
 from geoprim_core.io.images import read_image, write_image
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("image", type=Path, metavar="IMAGE")
+    parser.add_argument("image", type=Path, metavar="IMAGE", help=IMAGE)
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DIR", help="where the pictures go"
     )
@@ -31,13 +30,8 @@ def run(arguments: argparse.Namespace) -> int:
         write_image(path, picture)
         print(path)
     table = arguments.output / "hypotheses.csv"
-    try:
-        with table.open("w", newline="") as file:
-            writer = csv.DictWriter(file, [field.name for field in fields(Hypothesis)])
-            writer.writeheader()
-            writer.writerows(asdict(h) for h in explained.hypotheses)
-    except OSError as problem:
-        raise FileError(f"cannot write {table}: {problem.strerror}") from None
+    heading = [field.name for field in fields(Hypothesis)]
+    write_table(table, heading, (asdict(h).values() for h in explained.hypotheses))
     if not explained.detections.complete:
         print(f"incomplete: {explained.detections.reason}", file=sys.stderr)
     print(f"{table}: {len(explained.hypotheses)} judged, {len(explained.detections)} reported")

@@ -10,6 +10,7 @@ from importlib import import_module
 from types import ModuleType
 
 from geoprim_core import __version__
+from geoprim_core.cli.values import Parser, UsageError
 from geoprim_core.errors import GeoprimError
 
 # Command -> one line of help. Each is a module of this room with `add_arguments` and `run`; a
@@ -42,7 +43,7 @@ COMMANDS = {
 
 def build_parser(chosen: str | None = None) -> argparse.ArgumentParser:
     """Return the parser; only the chosen command's arguments are filled in."""
-    parser = argparse.ArgumentParser(prog="geoprim", description=__doc__)
+    parser = Parser(prog="geoprim", description=__doc__)
     parser.add_argument("--version", action="version", version=f"geoprim {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, text in COMMANDS.items():
@@ -66,7 +67,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; what the person has to mend is one line and exit code 2."""
     words = _joined(list(sys.argv[1:] if argv is None else argv))
     chosen = next((word for word in words if word in COMMANDS), None)
-    arguments = build_parser(chosen).parse_args(words)
+    try:
+        arguments = build_parser(chosen).parse_args(words)
+    except UsageError as problem:
+        print(problem, file=sys.stderr)
+        return 2
     command = _module(arguments.command)
     try:
         return int(command.run(arguments))

@@ -49,9 +49,8 @@ def _metavar(declared: Option) -> str:
 
 def _help(declared: Option) -> str:
     unit = f" [{declared.unit}]" if declared.unit else ""
-    return f"{declared.text}{unit}; {declared.expectation()} (default {declared.default})".replace(
-        "%", "%%"
-    )
+    default = "none" if declared.default == "" else declared.default
+    return f"{declared.text}{unit}; {declared.expectation()} (default {default})".replace("%", "%%")
 
 
 def _reader(declared: Option) -> Any:

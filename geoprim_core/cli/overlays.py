@@ -8,6 +8,7 @@ from pathlib import Path
 from geoprim_core.cli.benchmark_images import BenchmarkImages, save, write_files
 from geoprim_core.evaluation.comparison import Comparison, Measurement
 from geoprim_core.evaluation.comparison_tables import worst_images
+from geoprim_core.evaluation.score import measure_text
 from geoprim_core.plotting import plot_matching
 
 
@@ -35,7 +36,7 @@ def _writer(m: Measurement, images: BenchmarkImages, overlap: float) -> Callable
     def write(path: Path) -> None:
         axes = plot_matching(images.image_of(m.truth), m.run.ellipses, m.truth, m.matching(overlap))
         score = m.score(overlap).score
-        value = f"recall {score.recall:.3f}" if m.truth.recall_only else f"F {score.f_measure:.3f}"
+        value = ("recall " if m.truth.recall_only else "F ") + measure_text(score.merit)
         axes.set_title(f"{m.truth.name}: {m.detector}, {value} at {overlap:g}", fontsize=9)
         save(axes.figure, path)
 

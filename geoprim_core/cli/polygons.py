@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from geoprim_core.cli.detector import IMAGE
 from geoprim_core.cli.options import add_params, given_params
 from geoprim_core.ecc import DetectorParams
 from geoprim_core.ecc.detector import find_polygons
@@ -19,7 +20,7 @@ from geoprim_core.types import Contours, Polygons
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("image", type=Path, metavar="IMAGE")
+    parser.add_argument("image", type=Path, metavar="IMAGE", help=IMAGE)
     parser.add_argument(
         "--method",
         nargs="+",

@@ -12,6 +12,7 @@ from geoprim_core.cli.detector import (
     detector_params,
     overlay_params,
 )
+from geoprim_core.cli.values import whole
 from geoprim_core.ecc import DetectorParams
 from geoprim_core.io.config import Config, load_config
 from geoprim_core.io.process import process_bag
@@ -19,11 +20,19 @@ from geoprim_core.io.process import process_bag
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("bag", type=Path, metavar="IN.mcap", help="or a rosbag2 folder")
-    parser.add_argument("--output", type=Path, required=True, metavar="OUT.mcap")
-    parser.add_argument("--overlays", type=Path, metavar="DIR", help="draw the results here")
+    parser.add_argument("bag", type=Path, metavar="IN.mcap", help="a bag, or a rosbag2 folder")
     parser.add_argument(
-        "--overlay-every", type=int, default=1, metavar="N", help="draw every N-th frame (1)"
+        "--output", type=Path, required=True, metavar="OUT.mcap", help="the bag of results"
+    )
+    parser.add_argument(
+        "--overlays", type=Path, metavar="DIR", help="a folder for pictures of the results"
+    )
+    parser.add_argument(
+        "--overlay-every",
+        type=whole(0),
+        default=1,
+        metavar="N",
+        help="draw every N-th frame of each sequence; 0: its first one (1)",
     )
     parser.add_argument("--topic", default="image", help="the image topic (default image)")
     parser.add_argument(

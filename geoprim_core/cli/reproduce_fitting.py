@@ -12,6 +12,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from geoprim_core.cli.benchmark_images import save, write_files
+from geoprim_core.cli.values import whole
 from geoprim_core.errors import InputError
 from geoprim_core.evaluation.reproduce_fitting import (
     SECTIONS,
@@ -33,9 +34,9 @@ from geoprim_core.plotting.fitting import plot_experiment
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument(
-        "--count", type=int, default=1000, help="trials a setting; a tenth of it images (1000)"
+        "--count", type=whole(), default=1000, help="trials a setting; a tenth of it images (1000)"
     )
-    parser.add_argument("--seed", type=int, default=0, help="of the random curves (0)")
+    parser.add_argument("--seed", type=whole(0), default=0, help="seed of the random curves (0)")
     parser.add_argument(
         "--sections",
         nargs="+",
@@ -45,7 +46,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--methods", nargs="+", metavar="METHOD", help="of ours and peers (all)")
     parser.add_argument(
-        "--processes", type=int, default=os.cpu_count() or 1, help="at a time (all processors)"
+        "--processes",
+        type=whole(),
+        default=os.cpu_count() or 1,
+        help="so many at a time (all processors)",
     )
     parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="write report, CSV, PNG")
     parser.add_argument("--quiet", action="store_true", help="show no progress bar")
@@ -64,8 +68,6 @@ def run(arguments: argparse.Namespace) -> int:
     settings = [setting for setting in thesis_settings() if setting.section.startswith(starts)]
     if not settings:
         raise InputError("sections", "some of " + ", ".join(SECTIONS), ", ".join(starts))
-    if min(arguments.count, arguments.processes) < 1 or arguments.seed < 0:
-        raise InputError("count, processes, seed", "1 or more, 1 or more, 0 or more", "less")
     work = run_experiments(settings, fits, arguments.count, arguments.seed, arguments.processes)
     hidden = True if arguments.quiet else None
     bar = tqdm(work, total=len(settings), unit="setting", file=sys.stderr, disable=hidden)

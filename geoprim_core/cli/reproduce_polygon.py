@@ -12,6 +12,7 @@ from tqdm import tqdm
 from geoprim_core._check import AnyArray, FloatArray
 from geoprim_core.cli.benchmark_images import write_files
 from geoprim_core.cli.reproduce_polygon_figures import figures
+from geoprim_core.cli.values import whole
 from geoprim_core.errors import FileError
 from geoprim_core.evaluation.claims import claim_text
 from geoprim_core.evaluation.duality import check_duality, duality_rows, piece_rows
@@ -47,7 +48,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="JSON chain codes and CSV of published rows in it, images in it and below, a set a "
         "subfolder; default: own silhouettes",
     )
-    parser.add_argument("--curves", type=int, default=0, help="take so many curves at most (all)")
+    parser.add_argument(
+        "--curves", type=whole(0), default=0, help="take so many curves at most; 0: all (0)"
+    )
     parser.add_argument("--output", type=Path, metavar="DIR", help="write report, CSV and PNG")
     parser.add_argument("--quiet", action="store_true", help="show no progress bar")
 
@@ -104,6 +107,8 @@ def _inputs(folder: Path | None) -> tuple[dict[str, FloatArray], list[dict[str, 
             curves.update(read_chain_codes(path))
         except FileError as problem:
             print(f"skipped {problem}", file=sys.stderr)
+    if not curves and not any(path.suffix.lower() in SUFFIXES for path in folder.rglob("*")):
+        raise FileError(f"{folder}: expected chain codes (*.json) or images, got neither")
     published = [row for path in sorted(folder.glob("*.csv")) for row in read_published_rows(path)]
     return curves or own_curves(), published
 

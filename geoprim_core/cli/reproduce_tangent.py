@@ -11,7 +11,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from geoprim_core.cli.benchmark_images import save, write_files
-from geoprim_core.errors import InputError
+from geoprim_core.cli.values import whole
 from geoprim_core.evaluation.claims import claim_text
 from geoprim_core.evaluation.reproduce_tangent_claims import check_claims
 from geoprim_core.evaluation.reproduce_tangent_report import chooser_markdown, report_markdown
@@ -33,7 +33,7 @@ _QUICK = 3
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument(
-        "--count", type=int, help="curves a setting, 100 eccentricities among them (100)"
+        "--count", type=whole(), help="curves a setting, 100 eccentricities among them (100)"
     )
     parser.add_argument("--quick", action="store_true", help=f"the same as --count {_QUICK}")
     parser.add_argument(
@@ -43,8 +43,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="METHOD",
         help="only these and deb (all)",
     )
-    parser.add_argument("--seed", type=int, default=0, help="seed of the curves' centres (0)")
-    parser.add_argument("--processes", type=int, help="at a time (all processors)")
+    parser.add_argument("--seed", type=whole(0), default=0, help="seed of the curves' centres (0)")
+    parser.add_argument("--processes", type=whole(), help="so many at a time (all processors)")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="DIR", help="write report, tables and plots"
     )
@@ -74,10 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _count(arguments: argparse.Namespace) -> int:
-    count = arguments.count or (_QUICK if arguments.quick else Extent().count)
-    if count < 1:
-        raise InputError("--count", "at least one curve a setting", f"{count}")
-    return int(count)
+    return int(arguments.count or (_QUICK if arguments.quick else Extent().count))
 
 
 def _results(arguments: argparse.Namespace, extent: Extent) -> Results:

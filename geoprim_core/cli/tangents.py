@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from geoprim_core.cli.detector import IMAGE
 from geoprim_core.cli.options import add_params, given_params
 from geoprim_core.edges import EdgeParams, extract_contours
 from geoprim_core.errors import ParameterError
 from geoprim_core.io.drawing import draw_normals
+from geoprim_core.io.files import write_table
 from geoprim_core.io.images import read_image, write_image
 from geoprim_core.params import Params, group
 from geoprim_core.tangent import TABLE, estimate_tangents
@@ -26,7 +27,7 @@ class _Stages(Params):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("image", type=Path, metavar="IMAGE")
+    parser.add_argument("image", type=Path, metavar="IMAGE", help=IMAGE)
     parser.add_argument(
         "--method", choices=TABLE.names, default="deb", metavar="NAME",
         help=f"one of {', '.join(TABLE.names[:13])}, or a hybrid as lr1_h10 (choices of the "
@@ -35,7 +36,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--overlay", type=Path, metavar="PNG", help="draw the contours and normals"
     )
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="write one row a pixel")
+    parser.add_argument(
+        "--csv",
+        type=Path,
+        metavar="FILE",
+        help="write one row a pixel: contour, x, y [px], angle [rad]",
+    )
     for params in _params_classes():
         names = [row.name for row in TABLE if row.params is params]
         add_params(parser, params, f"parameters of {names[0]}" + (" .." if names[1:] else ""))
@@ -72,8 +78,6 @@ def _params_classes() -> list[type[Params]]:
 
 def _write(path: Path, contours: Contours, tangents: Tangents) -> None:
     owner = np.repeat(np.arange(len(contours)), np.diff(contours.offsets))
-    with path.open("w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["contour", "x", "y", "angle"])
-        for k, point, angle in zip(owner, contours.points, tangents.angle, strict=True):
-            table.writerow([k, *point, angle])
+    columns = zip(owner, contours.points, tangents.angle, strict=True)
+    rows = ([k, *point, angle] for k, point, angle in columns)
+    write_table(path, ["contour", "x", "y", "angle"], rows)

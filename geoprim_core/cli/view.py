@@ -20,8 +20,9 @@ from geoprim_core.cli.detector import (
     detector_params,
     overlay_params,
 )
+from geoprim_core.cli.values import positive, whole
 from geoprim_core.ecc import DetectorParams
-from geoprim_core.errors import FileError, GeoprimError
+from geoprim_core.errors import FileError, GeoprimError, InputError
 from geoprim_core.io.bags import BagReader
 from geoprim_core.io.config import Config, load_config
 from geoprim_core.io.foxglove_view import IMAGE_FORMATS, View
@@ -47,17 +48,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="--ros-args ...",
         help="watch ROS topics instead; what follows goes to the node view_node",
     )
-    parser.add_argument("--results", type=Path, metavar="BAG", help="show these, detect nothing")
-    parser.add_argument("--topic", default="image", help="the image topic (default image)")
-    parser.add_argument("--rate", type=_positive, default=1.0, help="times the speed (default 1)")
     parser.add_argument(
-        "--fps", type=_positive, default=2.0, help="image files a second (default 2)"
+        "--results", type=Path, metavar="BAG", help="show the results of this bag, detect nothing"
+    )
+    parser.add_argument("--topic", default="image", help="the image topic (default image)")
+    parser.add_argument("--rate", type=positive, default=1.0, help="times the speed (default 1)")
+    parser.add_argument(
+        "--fps", type=positive, default=2.0, help="image files a second (default 2)"
     )
     parser.add_argument("--once", action="store_true", help="end after one round")
     parser.add_argument("--wait", action="store_true", help="start when somebody looks")
     parser.add_argument("--host", default="127.0.0.1", help="where to serve (default 127.0.0.1)")
-    parser.add_argument("--port", type=int, default=8765, help="0: a free one (default 8765)")
-    parser.add_argument("--image-format", choices=IMAGE_FORMATS, default="jpeg")
+    parser.add_argument(
+        "--port", type=whole(0, 65535), default=8765, help="where to; 0: a free one (default 8765)"
+    )
+    parser.add_argument(
+        "--image-format",
+        choices=IMAGE_FORMATS,
+        default="jpeg",
+        help="how images are sent; png loses nothing (default jpeg)",
+    )
     parser.add_argument(
         "--save", type=Path, metavar="MCAP", help="write a file for Foxglove, serve nothing"
     )
@@ -94,7 +104,10 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.save is not None:
         print(f"{replay.shown} frames: {arguments.save}")
     if replay.bad:
-        print(f"{replay.bad} frames not usable; the last: {replay.last_reason}", file=sys.stderr)
+        print(
+            f"geoprim view: {replay.bad} frames not usable; the last: {replay.last_reason}",
+            file=sys.stderr,
+        )
     return 1 if replay.bad else 0
 
 
@@ -145,6 +158,8 @@ def _frames(arguments: argparse.Namespace, detector: Detector) -> Frames:
             raise FileError(f"{first} is a bag, and only one bag can be viewed")
         results = None if arguments.results is None else BagReader(arguments.results)
         return BagFrames(BagReader(first), arguments.topic, detector, results)
+    if arguments.results is not None:
+        raise InputError("--results", "a bag to show them with", f"{first}, images")
     paths = [path for place in arguments.source for path in list_images(place)]
     return lambda: image_frames(paths, detector, arguments.fps * arguments.rate)
 
@@ -159,10 +174,3 @@ def _live(arguments: argparse.Namespace) -> int:
     sys.stdout.flush()
     os.execv(sys.executable, [sys.executable, "-m", NODE, "--ros-args", *given, *words])
     raise AssertionError  # the process is the node now
-
-
-def _positive(text: str) -> float:
-    value = float(text)
-    if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"expected a number above 0, got {text}")
-    return value

@@ -10,13 +10,17 @@ import time
 from tqdm import tqdm
 
 from geoprim_core._jit import cache_base
+from geoprim_core.cli.values import whole
 from geoprim_core.warm import PARTS, warm_kernels
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument(
-        "--processes", type=int, default=os.cpu_count() or 1, help="at a time (all processors)"
+        "--processes",
+        type=whole(),
+        default=os.cpu_count() or 1,
+        help="so many at a time (all processors)",
     )
 
 

@@ -12,10 +12,8 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray
 from geoprim_core.evaluation.comparison import Comparison, Measurement, median_ratio
-from geoprim_core.evaluation.report import ImageScore
-from geoprim_core.evaluation.score import Score, pool
+from geoprim_core.evaluation.score import Score, mean_measures, measure_text, pool
 
-MEASURES = ("precision", "recall", "f_measure")
 _COLUMNS = (
     "set", "overlap", "use", "detector", "images", "hits", "misses", "false",
     "mean_precision", "mean_recall", "mean_f_measure", "precision", "recall", "f_measure",
@@ -39,7 +37,7 @@ class ComparisonRow:
     score : Score
         Counts of all images together.
     means : (precision, recall, f_measure)
-        Averages over the images.
+        Averages over the images where the measure is defined; NaN where it is on none.
     median_ms, p95_ms : float
         Time an image.
     time_ratio : float
@@ -92,14 +90,13 @@ def _row(
     own = _chosen(comparison, detector, group, recall_only)
     reference = _chosen(comparison, comparison.reference, group, recall_only)
     scores = [s.score for m in own for s in m.scores if s.overlap == overlap]
-    means = tuple(math.fsum(getattr(s, m) for s in scores) / len(scores) for m in MEASURES)
     times = np.array([m.run.seconds for m in own if not m.run.problem]) * 1e3
     late = np.percentile(times, [50, 95]) if len(times) else (math.nan, math.nan)
     failed = sum(bool(m.run.problem) for m in own)
     ratio = median_ratio(own, reference)
     return ComparisonRow(
         group or "images", overlap, detector, len(own), failed, pool(scores),
-        (means[0], means[1], means[2]), float(late[0]), float(late[1]), ratio,
+        mean_measures(scores), float(late[0]), float(late[1]), ratio,
     )  # fmt: skip
 
 
@@ -130,9 +127,9 @@ def comparison_markdown(comparison: Comparison) -> str:
         name = row.set_name + (" (recall only)" if row.recall_only else "")
         score = row.score
         measures = (*row.means, score.precision, score.recall, score.f_measure)
-        times = [_text(row.median_ms, 2), _text(row.p95_ms, 2), _text(row.time_ratio, 2)]
+        times = [measure_text(t, 2) for t in (row.median_ms, row.p95_ms, row.time_ratio)]
         cells = [name, f"{row.overlap:g}", row.detector, row.images]
-        cells += [*(_text(m, 3) for m in measures), *times, row.failed]
+        cells += [*map(measure_text, measures), *times, row.failed]
         lines.append("| " + " | ".join(map(str, cells)) + " |")
     problems = comparison.problems
     if problems:
@@ -170,7 +167,7 @@ def _summary(row: ComparisonRow) -> str:
     score = row.score
     text = f"{row.means[2]:.3f} ({score.f_measure:.3f})"
     if score.false is None:
-        text = f"{row.means[1]:.3f} ({score.recall:.3f})"
+        text = f"{measure_text(row.means[1])} ({measure_text(score.recall)})"
     elif not score.actual:
         text = f"{score.false} false"
     times = "" if math.isnan(row.median_ms) else f", {row.median_ms:.1f} ms"
@@ -207,7 +204,7 @@ def alpha_curve(of: Sequence[Measurement], overlap: float) -> tuple[FloatArray, 
     curve = np.zeros((len(alphas), 3))
     for k, alpha in enumerate(alphas):
         scores = [m.score(overlap).score for m in of if m.alpha == alpha]
-        curve[k] = [np.mean([getattr(s, name) for s in scores]) for name in MEASURES]
+        curve[k] = mean_measures(scores)
     return np.array(alphas, dtype=np.float64), curve
 
 
@@ -250,8 +247,8 @@ def worst_images(of: Sequence[Measurement], overlap: float, count: int = 5) -> l
 
     There are fewer where the others are perfect.
     """
-    wrong = [m for m in of if _merit(m.score(overlap)) < 1]
-    return sorted(wrong, key=lambda m: _merit(m.score(overlap)))[:count]
+    wrong = [m for m in of if m.score(overlap).score.merit < 1]
+    return sorted(wrong, key=lambda m: m.score(overlap).score.merit)[:count]
 
 
 def worst_markdown(of: Sequence[Measurement], overlap: float, count: int = 5) -> str:
@@ -270,13 +267,9 @@ def worst_markdown(of: Sequence[Measurement], overlap: float, count: int = 5) ->
         missed = [_words(row) for row in m.truth.ellipses.select(matching.missed).array()]
         false = [] if m.truth.recall_only else _false_words(m, matching.false)
         kind = " (recall)" if score.recall_only else ""
-        cells = [m.truth.name, f"{_merit(score):.3f}{kind}", _listed(missed), _listed(false)]
+        cells = [m.truth.name, f"{score.score.merit:.3f}{kind}", _listed(missed), _listed(false)]
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
-
-
-def _merit(score: ImageScore) -> float:
-    return score.score.recall if score.recall_only else score.score.f_measure
 
 
 def _false_words(m: Measurement, false: np.ndarray) -> list[str]:
@@ -295,10 +288,6 @@ def _words(row: FloatArray) -> str:
 def _listed(words: Sequence[str], most: int = 8) -> str:
     more = [f"and {len(words) - most} more"] if len(words) > most else []
     return "<br>".join([*words[:most], *more])
-
-
-def _text(value: float, digits: int) -> str:
-    return "" if math.isnan(value) else f"{value:.{digits}f}"
 
 
 def _csv(heading: Iterable[str], lines: Iterable[Iterable[object]]) -> str:

@@ -88,6 +88,11 @@ def load_ground_truth(
     ('a.png', [1.571])
     """
     base = Path(folder)
+    for place in (base, *([Path(images)] if images is not None else [])):
+        if not place.is_dir():
+            raise FileError(
+                f"{place}: expected a folder, got {'a file' if place.exists() else 'none'}"
+            )
     files = [*sorted(base.glob("*.json")), *sorted(base.glob("gt/*.json"))]
     read = [_parse(file, images) for file in files]
     truth = tuple(entry for entry in read if entry is not None)

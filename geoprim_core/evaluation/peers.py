@@ -27,6 +27,7 @@ from geoprim_core.types import Ellipses
 
 _RUNNER = Path(__file__).with_name("peer_runner.py")
 _START_LIMIT = 120.0
+_LONGEST_LIMIT = 86400.0
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -116,8 +117,8 @@ class Peer:
     Raises
     ------
     InputError
-        The time limit is not positive, the clock unknown, or the process or the callable cannot
-        be started.
+        The time limit is not above 0 or is above a day, the clock unknown, or the process or the
+        callable cannot be started.
     """
 
     def __init__(
@@ -129,8 +130,9 @@ class Peer:
         time_limit: float = 30.0,
         clock: str = "elapsed",
     ) -> None:
-        if not time_limit > 0:
-            raise InputError("time_limit", "a positive number of seconds", f"{time_limit}")
+        if not 0 < time_limit <= _LONGEST_LIMIT:
+            expected = f"seconds above 0, at most {_LONGEST_LIMIT:g}"
+            raise InputError("time_limit", expected, f"{time_limit}")
         if clock not in CLOCKS:
             raise InputError("clock", f"one of {', '.join(CLOCKS)}", repr(clock))
         self.name = name

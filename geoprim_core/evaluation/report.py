@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from geoprim_core.evaluation.score import Score, pool
+from geoprim_core.evaluation.score import UNDEFINED, Score, mean_measures, measure_text, pool
 
 POOLED = "all"
 """Name of the rows that hold all groups together."""
@@ -42,7 +42,8 @@ class ImageScore:
 class ReportRow:
     """A group of images at one overlap ratio.
 
-    `score` pools the counts; the `mean_` measures are averages over the images, as in the thesis.
+    `score` pools the counts; the `mean_` measures are averages over the images, as in the thesis:
+    over those where the measure is defined, NaN where it is on none.
     """
 
     group: str
@@ -62,10 +63,15 @@ class ReportRow:
         """Return the row as it stands in a file."""
         pooled, false = self.score, "" if self.score.false is None else self.score.false
         counts = [self.images, pooled.hits, pooled.misses, false]
-        measures = [pooled.precision, pooled.recall, pooled.f_measure]
-        measures += [self.mean_precision, self.mean_recall, self.mean_f_measure]
-        cells = ["" if math.isnan(m) else round(m, 4) for m in measures]
+        cells = ["" if math.isnan(m) else round(m, 4) for m in self.measures]
         return [self.group, self.overlap, self.use, *counts, *cells]
+
+    @property
+    def measures(self) -> tuple[float, ...]:
+        """Precision, recall and F of the pooled counts, then their means over the images."""
+        pooled = self.score
+        means = (self.mean_precision, self.mean_recall, self.mean_f_measure)
+        return (pooled.precision, pooled.recall, pooled.f_measure, *means)
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,10 +129,11 @@ class Report:
         ]
         for row in self.rows:
             name = row.group + (" (recall only)" if row.use == "recall-only" else "")
-            _, overlap, _, images, *counts = row.cells()[:7]
-            cells = [name or "images", f"{overlap:g}", images, *counts]
-            cells += ["" if m == "" else f"{m:.3f}" for m in row.cells()[7:]]
-            lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
+            false = UNDEFINED if row.score.false is None else row.score.false
+            counts = [row.images, row.score.hits, row.score.misses, false]
+            cells = [name or "images", f"{row.overlap:g}", *map(str, counts)]
+            cells += map(measure_text, row.measures)
+            lines.append("| " + " | ".join(cells) + " |")
         return "\n".join(lines) + "\n"
 
     def csv(self) -> str:
@@ -151,11 +158,7 @@ def _rows_of(images: list[ImageScore], overlap: float) -> list[ReportRow]:
 
 
 def _row(name: str, overlap: float, scores: list[Score]) -> ReportRow:
-    count = len(scores)
-    precision = math.fsum(score.precision for score in scores) / count
-    recall = math.fsum(score.recall for score in scores) / count
-    f_measure = math.fsum(score.f_measure for score in scores) / count
-    return ReportRow(name, overlap, count, pool(scores), precision, recall, f_measure)
+    return ReportRow(name, overlap, len(scores), pool(scores), *mean_measures(scores))
 
 
 def _csv(heading: Iterable[str], lines: Iterable[Iterable[object]]) -> str:

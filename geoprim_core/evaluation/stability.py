@@ -112,4 +112,4 @@ def stability_markdown(comparison: Comparison) -> str:
 def _merits(of: Sequence[Measurement], group: str, change: str, overlap: float) -> FloatArray:
     chosen = [m for m in of if m.truth.group == f"{group}{_JOINT}{change}"]
     scores = [m.score(overlap).score for m in chosen if overlap in dict(m.matchings)]
-    return np.array([s.recall if s.false is None else s.f_measure for s in scores])
+    return np.array([s.merit for s in scores if s.actual or s.false is not None])

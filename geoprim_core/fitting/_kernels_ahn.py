@@ -18,6 +18,7 @@ from geoprim_core.fitting._kernels_fit import (
 )
 
 _UNSETTLED = 8
+_ROUNDING = 2.3e-16  # of a number in double precision
 
 
 @kernel
@@ -109,6 +110,7 @@ def ahn_points(
         ellipse = circle_through(points, weights)
     matrix, vector, cost = _system(points, weights, ellipse)
     settled = False
+    unseen = _ROUNDING * len(points)  # share of the cost that a sum over the points cannot show
     for _ in range(iterations):
         for j in range(5):  # a circle has no angle: its row is zero
             matrix[j, j] += 1e-14 * matrix[j, j] + 1e-14 * matrix[0, 0]
@@ -118,13 +120,15 @@ def ahn_points(
         if size <= 1e-10 * ellipse[2]:
             settled = True
             break
+        # Near the minimum rounding hides what a step gains; the steps shrink without a judge.
+        judged = step @ vector > unseen * cost
         length = 1.0
         for _ in range(20):
             trial = _stepped(ellipse, step, length)
             if np.isfinite(trial).all() and min(trial[2], trial[3]) > 1e-9 * trial[2]:
                 trial = canonical(trial)
                 following = _system(points, weights, trial)
-                if following[2] <= cost:
+                if following[2] < cost or not judged:
                     break
             length *= 0.5
         else:

@@ -31,9 +31,10 @@ def ahn(
 
     Two loops: for every point the nearest point of the ellipse, and around them Gauss-Newton
     steps on the 2 n coordinate differences, with the motion of each foot from the theorem of
-    implicit functions. A step that raises the sum of squares is halved, up to twenty times. It
-    ends when a step is below 1e-10 of the semi-major axis; where it does not end so, the reason
-    says that it has not settled.
+    implicit functions. A step that does not lower the sum of squares is halved, up to twenty
+    times, unless what it would gain is below the rounding of that sum. It ends when a step is
+    below 1e-10 of the semi-major axis, or when none that is below 1e-6 of it lowers the sum; where
+    it does not end so, the reason says that it has not settled.
 
     Against the paper: it starts at the direct fit, which is more robust than the paper's circle
     (`start="circle"`), and the feet come from a Newton iteration that cannot fail. A point on the

@@ -9,7 +9,7 @@ from geoprim_core import _check
 from geoprim_core._check import AnyArray, FloatArray
 from geoprim_core.applications import ellipse_outlines
 from geoprim_core.errors import InputError
-from geoprim_core.io.lettering import Page, draw_caption, draw_legend
+from geoprim_core.io.lettering import Legend, Page, draw_caption
 from geoprim_core.io.shown import OverlayParams, Shown, to_show
 from geoprim_core.tangent import normals
 from geoprim_core.types import Contours, Detections, EllipseDetections, Polygons, Tangents
@@ -20,7 +20,8 @@ _CONTOUR = (255, 160, 60)
 _POLYGON = (80, 220, 255)
 _NORMAL = (80, 255, 80)
 _EDGE = (0.0, 0.0, 0.0)
-_VGA = 640.0
+VGA = 640.0
+"""Width of an image whose letters have size 1, in pixels."""
 
 
 def draw_overlay(
@@ -53,7 +54,8 @@ def draw_overlay(
         What is written, and the scale of the colours.
     labels : bool
         False: outlines only, no text and no legend. Without ellipses and detections, which it
-        tells of, there is no legend anyway.
+        tells of, there is no legend anyway, nor where it would cover more than 6 % of the image;
+        `draw_picture` puts it beside the image then.
     scheme : str
         A line of the legend, what found the ellipses; `params.title` takes its place.
     caption : str
@@ -93,7 +95,9 @@ def draw_overlay(
     if caption:
         draw_caption(page, caption)
     if labels and not (ellipses is None and detections is None):
-        _draw_legend(page, outlines, shown, params, scheme)
+        legend = legend_of(shown, params, scheme)
+        if params.legend and legend.fits(page):
+            legend.draw_in_corner(page, outlines.reshape(-1, 2))
         _write_texts(page, outlines, shown, params)
     return canvas
 
@@ -182,7 +186,7 @@ def overlay_scale(shape: tuple[int, ...]) -> float:
     >>> overlay_scale((480, 640)), overlay_scale((1920, 2560))
     (1.0, 2.0)
     """
-    return float(max(1.0, np.sqrt(max(shape[:2]) / _VGA)))
+    return float(max(1.0, np.sqrt(max(shape[:2]) / VGA)))
 
 
 def _fixed(points: FloatArray) -> AnyArray:
@@ -223,21 +227,17 @@ def _draw_outlines(page: Page, outlines: FloatArray, shown: Shown, params: Overl
 def _write_texts(page: Page, outlines: FloatArray, shown: Shown, params: OverlayParams) -> None:
     """Write number, class and score, the best first; where there is no room less, or nothing."""
     numbers = [f"#{i}" * params.ids for i in shown.ids]
-    colours = _bgr(shown.colours(params))
+    colours = _bgr((1.0 + shown.colours(params)) / 2)  # the darkest are read on any ground
     for i, text in enumerate(shown.texts(params)):
         page.write_at(outlines[i], text, numbers[i], colours[i])
 
 
-def _draw_legend(
-    page: Page, outlines: FloatArray, shown: Shown, params: OverlayParams, scheme: str
-) -> None:
-    if not params.legend:
-        return
+def legend_of(shown: Shown, params: OverlayParams, scheme: str = "") -> Legend:
+    """Return the legend of what is shown: how many, what found them, and the scale of colours."""
     noun = "ellipse" if len(shown) == 1 else "ellipses"
     title = params.title or scheme
     lines = (f"{len(shown)} {noun}", title) if title else (f"{len(shown)} {noun}",)
-    low, high = params.score_low, params.score_high
-    draw_legend(page, lines, low, high, outlines.reshape(-1, 2))
+    return Legend(lines, params.score_low, params.score_high)
 
 
 def _bgr(colours: FloatArray) -> list[tuple[float, ...]]:

@@ -12,13 +12,14 @@ import numpy as np
 from geoprim_core import _check
 from geoprim_core._check import AnyArray
 from geoprim_core.errors import FileError, InputError
+from geoprim_core.io.files import make_folder
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp")
 """The names, in small letters, by which `list_images` tells images from other files."""
 
 
 def read_image(path: str | os.PathLike[str]) -> AnyArray:
-    """Return the image of a file as its pixels stand there.
+    """Return the image of a file as its pixels stand there; an EXIF turn is not carried out.
 
     Parameters
     ----------
@@ -110,11 +111,14 @@ def write_image(path: str | os.PathLike[str], image: AnyArray) -> None:
         done, data = cv2.imencode(target.suffix or "none", array)
     except cv2.error:
         done = False
+    if not done and target.suffix.lower() not in SUFFIXES:
+        raise FileError(
+            f"cannot write {target}: expected a name that ends in {', '.join(SUFFIXES)}"
+        )
     if not done:
-        known = "a name that ends in .png, .jpg, .tif or .bmp and an image that fits"
-        raise FileError(f"cannot write {target}: expected {known}, got {_check.describe(array)}")
+        raise FileError(f"cannot write {target}: the format holds no {_check.describe(array)}")
+    make_folder(target.parent)
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(data.tobytes())
     except OSError as error:
         raise FileError(f"cannot write {target}: {error.strerror or error}") from None

@@ -12,7 +12,10 @@ from geoprim_core.io.score_colours import score_colours
 
 _FONT = cv2.FONT_HERSHEY_SIMPLEX
 _LETTERS = 0.45  # OpenCV's size of letters that are read at scale 1
-_DIM = 0.4  # of the brightness, under letters
+_DIM = 0.3  # of the brightness, under letters
+_PAD = 3.0  # between a legend's edge and what it holds, at scale 1
+_LEGEND_SHARE = 0.06  # of a picture, which a legend may cover
+_MANY = "000 ellipses"  # a legend is no wider for more ellipses
 _WHITE = (255.0, 255.0, 255.0)
 
 Colour = tuple[float, ...]
@@ -130,45 +133,53 @@ class Page:
 
 
 def draw_caption(page: Page, text: str) -> None:
-    """Write a line into the top left corner."""
+    """Write a line into the top left corner; leave it out where it has no room."""
     wide, high = page.size_of(text)
-    page.write(text, Box(2.0, 2.0, 2.0 + wide, 2.0 + high), _WHITE)
+    if wide + 4.0 <= page.canvas.shape[1]:
+        page.write(text, Box(2.0, 2.0, 2.0 + wide, 2.0 + high), _WHITE)
 
 
-def draw_legend(page: Page, lines: tuple[str, ...], low: float, high: float, busy: AnyArray) -> Box:
-    """Draw the scale of scores under some lines of text, in the corner where least is drawn.
+class Legend(NamedTuple):
+    """The scale of scores under some lines of text."""
 
-    Parameters
-    ----------
-    page : Page
-    lines : count, scheme, ...
-    low, high : scores of the two ends of the scale
-    busy : (n, 2) points that had better not be covered
+    lines: tuple[str, ...]
+    low: float
+    high: float
 
-    Returns
-    -------
-    Box
-        Where it is; nothing is drawn where the picture is too small for it.
-    """
-    ends = (f"{low:.2f}", "score", f"{high:.2f}")
-    wide, line = max(page.size_of(t)[0] for t in (*lines, "  ".join(ends))), page.size_of("0")[1]
-    pad = 3.0 * page.scale
-    size = wide + 2 * pad, (len(lines) + 2) * line + 2 * pad
-    height, width = page.canvas.shape[:2]
-    if size[0] > 0.6 * width or size[1] > 0.5 * height:
-        return Box(0.0, 0.0, 0.0, 0.0)
-    box = _freest_corner((width, height), size, busy)
-    dim(page.canvas, box)
-    left, top = box.left + pad, box.top + pad
-    for k, text in enumerate(lines):
-        page.write(
-            text, Box(left, top + k * line, left + wide, top + (k + 1) * line), _WHITE, dimmed=False
-        )
-    top += len(lines) * line
-    _draw_ramp(page.canvas, Box(left, top + 0.2 * line, box.right - pad, top + 0.9 * line))
-    _write_ends(page, ends, Box(left, top + line, box.right - pad, top + 2 * line))
-    page.reserve(box)
-    return box
+    def size(self, page: Page) -> tuple[float, float]:
+        """Return width and height in pixels on a page."""
+        texts = (*self.lines, _MANY, "  ".join(self._ends))
+        wide = max(page.size_of(text)[0] for text in texts)
+        pad = 2 * _PAD * page.scale
+        return wide + pad, (len(self.lines) + 2) * page.size_of("0")[1] + pad
+
+    def fits(self, page: Page) -> bool:
+        """Tell whether it covers no more than a small share of a page."""
+        (wide, high), (height, width) = self.size(page), page.canvas.shape[:2]
+        room = wide <= width and high <= height
+        return bool(room and wide * high <= _LEGEND_SHARE * width * height)
+
+    def draw_in_corner(self, page: Page, busy: AnyArray) -> None:
+        """Draw it in the corner with the fewest of some points (n, 2)."""
+        height, width = page.canvas.shape[:2]
+        self.draw(page, _freest_corner((width, height), self.size(page), busy))
+
+    def draw(self, page: Page, box: Box) -> None:
+        """Draw it in a box of its size, and keep texts out of it."""
+        dim(page.canvas, box)
+        pad, line = _PAD * page.scale, page.size_of("0")[1]
+        left, top, right = box.left + pad, box.top + pad, box.right - pad
+        for k, text in enumerate(self.lines):
+            place = Box(left, top + k * line, right, top + (k + 1) * line)
+            page.write(text, place, _WHITE, dimmed=False)
+        top += len(self.lines) * line
+        _draw_ramp(page.canvas, Box(left, top + 0.2 * line, right, top + 0.9 * line))
+        _write_ends(page, self._ends, Box(left, top + line, right, top + 2 * line))
+        page.reserve(box)
+
+    @property
+    def _ends(self) -> tuple[str, str, str]:
+        return f"{self.low:.2f}", "score", f"{self.high:.2f}"
 
 
 def _freest_corner(picture: tuple[int, int], size: tuple[float, float], busy: AnyArray) -> Box:

@@ -20,8 +20,8 @@ from geoprim_core.edges import extract_contours
 from geoprim_core.errors import BagError, FileError, InputError
 from geoprim_core.io.bags import BagImage, BagMessage, BagReader, BagWriter, Topic, bag_image
 from geoprim_core.io.camera_message import sort_objects
-from geoprim_core.io.drawing import draw_overlay
 from geoprim_core.io.images import write_image
+from geoprim_core.io.picture import draw_picture
 from geoprim_core.io.process_report import BadFrame, ProcessReport, SequenceReport
 from geoprim_core.io.record import stamp_of
 from geoprim_core.io.shown import OverlayParams
@@ -234,7 +234,7 @@ class _Run:
         wanted = number % self._every == 0 if self._every > 0 else number == 0
         if self._overlays is None or not wanted or frame.image is None:
             return
-        picture = draw_overlay(
+        picture = draw_picture(
             frame.image,
             ellipses=results.ellipses,
             detections=results.objects,

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from geoprim_core._check import describe
 from geoprim_core.errors import InputError
 from geoprim_core.evaluation import Report, ReportRow
+from geoprim_core.evaluation.score import measure_text
 from geoprim_core.plotting._axes import axes_or_new
 
 
@@ -49,10 +52,10 @@ def plot_scores(report: Report, ax: Any | None = None) -> Any:
         chosen = [row for row in rows if row.overlap == overlap]
         middle = (k - (len(overlaps) - 1) / 2) * thickness
         places = [names.index(_name(row)) + middle for row in chosen]
-        bars = axes.barh(
-            places, [_value(row) for row in chosen], thickness, label=f"overlap {overlap:g}"
-        )
-        axes.bar_label(bars, fmt="%.3f", padding=2, fontsize=7)
+        merits = [row.score.merit for row in chosen]
+        lengths = np.nan_to_num(merits)  # where it is undefined a dash stands at the beginning
+        bars = axes.barh(places, lengths, thickness, label=f"overlap {overlap:g}")
+        axes.bar_label(bars, [measure_text(m) for m in merits], padding=2, fontsize=7)
     axes.set_yticks(range(len(names)), names)
     axes.set(xlim=(0, 1.1), xlabel="F-measure of the pooled counts")
     axes.invert_yaxis()
@@ -64,7 +67,3 @@ def plot_scores(report: Report, ax: Any | None = None) -> Any:
 def _name(row: ReportRow) -> str:
     name = row.group or "images"
     return f"{name} (recall)" if row.score.false is None else name
-
-
-def _value(row: ReportRow) -> float:
-    return row.score.recall if row.score.false is None else row.score.f_measure

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from geoprim_core.errors import FileError, InputError
+from geoprim_core.errors import FileError
 from geoprim_ros.bench.cases import Case, cases_of
 from geoprim_ros.bench.pictures import render
 from geoprim_ros.bench.processes import Bench
@@ -19,8 +19,6 @@ from geoprim_ros.bench.runs import Run, find_highest
 
 def run(arguments: argparse.Namespace) -> int:
     """Measure every case and print the table; with --output write tables and a picture too."""
-    if not arguments.seconds > 0:
-        raise InputError("--seconds", "a time above 0", f"{arguments.seconds:g}")
     wanted = {"compressed": not arguments.raw_only, "stock": not arguments.own_profile_only}
     cases = list(cases_of(arguments.graphs, arguments.sizes, **wanted))
     words = ["--params-file", str(arguments.config)] if arguments.config else []

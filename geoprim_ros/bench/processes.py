@@ -13,6 +13,7 @@ from typing import Any
 from geoprim_core.errors import GeoprimError
 from geoprim_ros.bench.cases import Case
 from geoprim_ros.bench.runs import Run
+from geoprim_ros.domains import private_domain
 from geoprim_ros.environment import config_folder
 
 _END_LIMIT_S = 20.0
@@ -109,7 +110,7 @@ def environment(case: Case, folder: Path) -> dict[str, str]:
     Without our profile they get one that changes nothing, as the nodes would find ours otherwise.
     """
     variables = dict(os.environ)
-    variables["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
+    variables["ROS_DOMAIN_ID"] = str(private_domain().number)
     variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     variables.pop("FASTDDS_DEFAULT_PROFILES_FILE", None)
     ours = config_folder()

@@ -30,7 +30,8 @@ from geoprim_core.io.bag_repair import repair_bag
 from geoprim_core.io.bag_writer import BagWriter
 from geoprim_core.io.image_message import image_record
 from geoprim_core.synthetic import disc_image
-from geoprim_ros.endurance.processes import Processes, own_domain
+from geoprim_ros.domains import stay_apart
+from geoprim_ros.endurance.processes import Processes
 from geoprim_ros.qos import result_qos, sensor_qos
 from geoprim_ros.shared_memory import clean, unowned
 from geoprim_ros.spin import in_rclpy
@@ -248,7 +249,7 @@ def main(args: Sequence[str] | None = None) -> int:
     unknown = sorted(set(options.victims) - set(VICTIMS))
     if unknown:
         parser.error(f"{', '.join(unknown)}: not one of {', '.join(VICTIMS)}")
-    own_domain()
+    stay_apart()
     return run(options.victims or VICTIMS, options.rounds, options.pause)
 
 

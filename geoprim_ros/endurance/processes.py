@@ -1,8 +1,7 @@
-"""Nodes in processes of their own: started, killed, ended, on a domain of the trial's own."""
+"""Nodes in processes of their own: started, killed, ended."""
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -13,13 +12,6 @@ from typing import IO
 
 END_LIMIT_S = 30.0
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
-_DOMAINS = 100
-
-
-def own_domain() -> None:
-    """Let this process and what it starts keep to this machine, on a domain of their own."""
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % _DOMAINS))
 
 
 class Processes:

@@ -27,9 +27,10 @@ from tqdm import tqdm
 
 from geoprim_core._check import FloatArray
 from geoprim_core.errors import GeoprimError
+from geoprim_ros.domains import stay_apart
 from geoprim_ros.endurance.feeder import Feeder
 from geoprim_ros.endurance.images import frames
-from geoprim_ros.endurance.processes import Processes, own_domain
+from geoprim_ros.endurance.processes import Processes
 from geoprim_ros.endurance.resources import Drift, Sample, drift, sample
 from geoprim_ros.spin import in_rclpy
 
@@ -212,7 +213,7 @@ def start_graph(processes: Processes, also: Sequence[str], folder: Path) -> list
 def main(args: Sequence[str] | None = None) -> int:
     """Run the soak; 0 where nothing grows, every frame is accounted for and all end well."""
     options = _parser().parse_args(args)
-    own_domain()
+    stay_apart()
     options.output.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         return _run(options, Path(folder))

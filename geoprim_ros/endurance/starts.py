@@ -22,10 +22,11 @@ from sensor_msgs.msg import Image
 from tqdm import tqdm
 
 from geoprim_core.errors import BagError
+from geoprim_ros.domains import stay_apart
 from geoprim_ros.endurance.feeder import Feeder
 from geoprim_ros.endurance.images import Frame, frames
 from geoprim_ros.endurance.kills import write_bag
-from geoprim_ros.endurance.processes import SIGNALS, Processes, own_domain
+from geoprim_ros.endurance.processes import SIGNALS, Processes
 from geoprim_ros.shared_memory import unowned
 from geoprim_ros.spin import TAKE_DOWN_S, in_rclpy
 
@@ -186,7 +187,7 @@ def main(args: Sequence[str] | None = None) -> int:
     parser.add_argument("--together", type=int, default=2, help="so many at a time")
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=list(KINDS))
     options = parser.parse_args(args)
-    own_domain()
+    stay_apart()
     return run(options.count, options.together, options.kinds)
 
 

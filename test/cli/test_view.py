@@ -10,15 +10,6 @@ import pytest
 
 from geoprim_core.cli.main import main
 from geoprim_core.cli.view import layout_file
-from geoprim_core.io.images import write_image
-from geoprim_core.synthetic import disc_image
-
-
-@pytest.fixture
-def disc(tmp_path):
-    path = tmp_path / "disc.png"
-    write_image(path, disc_image(160, 120, centre=(70.25, 60.5), radius=35.5))
-    return path
 
 
 @pytest.fixture

@@ -89,15 +89,22 @@ def compare(detectors, images, overlaps=(0.8,), **more):
 
 
 def test_a_perfect_detector_has_f_one_and_one_that_says_all_twice_half_the_precision():
-    images = [image("1", [A, B]), image("2", [A, B, C])]
+    images = [image("1", [A, B], 2), image("2", [A, B, C], 3)]
     perfect = Told("perfect", [answer([A, B]), answer([C, B, A])])
     twice = Told("twice", [answer([A, A, B, B]), answer([A, B, C, A, B, C])])
     blind = Told("blind", [answer([]), answer([])])
-    rows = {r.detector: r for r in comparison_rows(compare([perfect, twice, blind], images))}
+    found = compare([perfect, twice, blind], images)
+    rows = {r.detector: r for r in comparison_rows(found)}
     assert rows["perfect"].means == (1, 1, 1)
     assert (rows["twice"].score.precision, rows["twice"].score.recall) == (0.5, 1)
     assert rows["twice"].means == pytest.approx((1 / 2, 1, 2 / 3))
     assert (rows["blind"].score.recall, rows["blind"].score.misses) == (0, 5)
+    assert rows["blind"].means == pytest.approx((np.nan, 0, 0), nan_ok=True)
+    line = comparison_markdown(found).splitlines()[-1]
+    assert line.startswith("| g | 0.8 | blind | 2 | - | 0.000 | 0.000 | - | 0.000 | 0.000 |")
+    last = list(csv.DictReader(io.StringIO(comparison_csv(found))))[-1]
+    assert (last["mean_precision"], last["precision"], last["f_measure"]) == ("", "", "0.0")
+    assert np.isnan(plot_alpha(found, "g", 0.8, "precision").lines[2].get_ydata()).all()
 
 
 def test_the_time_ratio_is_the_median_of_the_ratios_image_by_image():
@@ -379,6 +386,7 @@ def test_what_cannot_be_compared_is_refused():
         lambda: compare([told], [image("1", [A])], reference="e"),
         lambda: compare([told], [image("1", [A])], repeat=0),
         lambda: Peer("p", "a:b", time_limit=0),
+        lambda: Peer("p", "a:b", time_limit=np.inf),
         lambda: Peer("p", "a:b", clock="sundial"),
     ):
         with pytest.raises(InputError):

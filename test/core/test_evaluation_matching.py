@@ -126,15 +126,16 @@ def test_measures_of_the_thesis():
 @pytest.mark.parametrize(
     ("score", "measures"),
     [
-        (Score(0, 0, 0), (1.0, 1.0, 1.0)),
-        (Score(0, 3, 0), (1.0, 0.0, 0.0)),
-        (Score(0, 0, 3), (0.0, 1.0, 0.0)),
+        (Score(0, 0, 0), (math.nan, math.nan, 1.0)),
+        (Score(0, 3, 0), (math.nan, 0.0, 0.0)),
+        (Score(0, 0, 3), (0.0, math.nan, 0.0)),
         (Score(0, 3, 3), (0.0, 0.0, 0.0)),
         (Score(3, 0, 0), (1.0, 1.0, 1.0)),
     ],
 )
-def test_measures_without_detections_or_truth(score, measures):
-    assert (score.precision, score.recall, score.f_measure) == measures
+def test_a_share_of_nothing_is_undefined_and_f_follows_from_the_counts(score, measures):
+    found = (score.precision, score.recall, score.f_measure)
+    assert found == pytest.approx(measures, abs=0, nan_ok=True)
 
 
 def test_recall_only_counts_no_false_detections():

@@ -120,9 +120,33 @@ def test_the_tables_hold_the_rows():
     )
     table = report.markdown().splitlines()
     assert len({line.count("|") for line in table}) == 1
-    assert "| cups (recall only) | 0.8 | 1 | 2 | 2 |  |  | 0.500 |  |  | 0.500 |  |" in table
+    assert "| cups (recall only) | 0.8 | 1 | 2 | 2 | - | - | 0.500 | - | - | 0.500 | - |" in table
     images = list(csv.DictReader(io.StringIO(report.csv_images())))
     assert [line["hits"] for line in images] == ["1", "1", "4", "2", "0"]
+
+
+def test_a_detector_that_never_answers_has_no_precision_anywhere():
+    silent = Report((ImageScore("1", "cans", 0.8, Score(0, 3, 0)),))
+    assert silent.markdown().splitlines()[2].split(" | ")[6:] == [
+        "-", "0.000", "0.000", "-", "0.000", "0.000 |",
+    ]  # fmt: skip
+    (line,) = csv.DictReader(io.StringIO(silent.csv()))
+    assert (line["precision"], line["mean_precision"]) == ("", "")
+    assert (line["recall"], line["f_measure"], line["mean_f_measure"]) == ("0.0", "0.0", "0.0")
+
+
+def test_the_mean_precision_is_that_of_the_images_where_something_was_found():
+    scores = [Score(1, 0, 1), Score(0, 2, 0)]
+    (row,) = Report(tuple(ImageScore(str(s), "g", 0.8, s) for s in scores)).rows
+    assert (row.mean_precision, row.mean_recall) == (0.5, 0.5)
+    assert row.mean_f_measure == pytest.approx(1 / 3)  # of both
+
+
+def test_a_bar_without_a_measure_says_so():
+    nothing = Report((ImageScore("1", "cups", 0.8, Score(0, 0, None)),))
+    axes = plot_scores(nothing)
+    assert [text.get_text() for text in axes.texts] == ["-"]
+    assert axes.patches[0].get_width() == 0
 
 
 def test_reports_are_joined():

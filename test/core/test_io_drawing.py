@@ -121,6 +121,12 @@ def test_the_legend_lies_where_nothing_is_drawn_and_can_be_left_out():
     np.testing.assert_array_equal(outlines, draw_overlay(ground, ellipses=one, params=nothing))
 
 
+def test_a_caption_is_whole_or_left_out():
+    wide, narrow = np.zeros((40, 300), np.uint8), np.zeros((40, 60), np.uint8)
+    assert draw_overlay(wide, caption="rdp_mod: 12 vertices").any()
+    assert not draw_overlay(narrow, caption="rdp_mod: 12 vertices").any()
+
+
 def test_texts_do_not_lie_on_each_other():
     page = Page(np.zeros((200, 200, 3), np.uint8), 1.0)
     turn = np.linspace(0, 2 * np.pi, 90)

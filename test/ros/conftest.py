@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -13,7 +14,6 @@ import pytest
 # Before anything of ROS is imported.
 os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
 os.environ.setdefault("ROS_LOG_DIR", tempfile.mkdtemp(prefix="geoprim_ros_log_"))
 
 # The programs that tests end by a signal inherit what this process ignores: hang-ups under nohup,
@@ -30,11 +30,15 @@ from rclpy.executors import SingleThreadedExecutor  # noqa: E402
 from rclpy.qos import QoSProfile  # noqa: E402
 from sensor_msgs.msg import CameraInfo, Image  # noqa: E402
 
-import geoprim_ros  # noqa: E402, F401
 from geoprim_core.io.image_message import image_record  # noqa: E402
 from geoprim_core.synthetic import disc_image  # noqa: E402
 from geoprim_ros.conversions import to_message  # noqa: E402
+from geoprim_ros.domains import owners, private_domain, take_domain  # noqa: E402
 from geoprim_ros.shared_memory import clean  # noqa: E402
+
+# For what is not run inside a test.
+os.environ["ROS_DOMAIN_ID"] = str(private_domain().number)
+LEFT_S = 15.0  # a node that was told to end may take so long
 
 RESULTS = {
     "contours": Contours,
@@ -162,6 +166,48 @@ def nothing_stays_in_memory():
     clean(settled_s=1.0)
 
 
+def left_in(domain, limit_s=LEFT_S):
+    """Wait until a domain is empty; return number -> command of who stays, which is ended."""
+    end = time.monotonic() + limit_s
+    while domain.sockets() and time.monotonic() < end:
+        time.sleep(0.02)
+    found = owners(domain.sockets())
+    for number in found.keys() - {os.getpid()}:
+        with suppress(ProcessLookupError):
+            os.kill(number, signal.SIGKILL)
+    return found
+
+
+@pytest.fixture
+def who_stays():
+    return left_in
+
+
+@pytest.fixture
+def make_domain():
+    """Take domains that hold nobody but who is put there; each has to be left empty."""
+    taken = []
+
+    def make():
+        taken.append(take_domain())
+        return taken[-1].number
+
+    yield make
+    left = [found for domain in taken if (found := left_in(domain))]
+    for domain in taken:
+        domain.release()
+    assert not left, f"still in the domain of the test when it was over: {left}"
+
+
+@pytest.fixture(autouse=True)
+def domain(make_domain):
+    """The domain of the test and of all that it starts."""
+    before, number = os.environ["ROS_DOMAIN_ID"], make_domain()
+    os.environ["ROS_DOMAIN_ID"] = str(number)
+    yield number
+    os.environ["ROS_DOMAIN_ID"] = before
+
+
 @pytest.fixture
 def told():
     return value_of
@@ -179,16 +225,16 @@ def make_feed(graph):
 
 
 @pytest.fixture
-def graph():
+def graph(domain):
     graph = Graph()
     yield graph
     graph.close()
 
 
 @pytest.fixture
-def other_feed():
+def other_feed(make_domain):
     """A feed in a graph on another domain."""
-    graph = Graph(101 + os.getpid() % 100)
+    graph = Graph(make_domain())
     yield Feed(graph)
     graph.close()
 

@@ -109,7 +109,7 @@ def test_without_ros_the_command_says_so(monkeypatch, capsys):
     [
         (["--graphs", "x"], "--graphs"),
         (["--sizes", "1x1"], "--sizes"),
-        (["--seconds", "0"], "--sec"),
+        (["--config", "nowhere.yaml"], "nowhere.yaml"),
     ],
 )
 def test_a_refusal_is_one_line(words, said, capsys):

@@ -102,11 +102,15 @@ def test_a_command(command, desk):
         stderr=subprocess.PIPE,
         text=True,
     )
-    if any(node in words for node in ENDLESS):
-        wait_for_handlers(process)
-        assert process.poll() is None, process.communicate()
-        process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=120)
+    try:
+        if any(node in words for node in ENDLESS):
+            wait_for_handlers(process)
+            assert process.poll() is None, process.communicate()
+            process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=120)
+    finally:
+        process.kill()
+        process.wait()
     assert process.returncode == 0, out + err
     assert "Traceback" not in err
 

@@ -1,7 +1,6 @@
 """Nodes are killed, started again and ended early, and the graph goes on."""
 
 import csv
-import os
 import signal
 import subprocess
 import sys
@@ -13,10 +12,9 @@ STAGES = ("edges", "polygons", "ellipses")
 
 
 def command(module, *words):
-    """Run a trial as a user does, where it does not meet the nodes of other tests."""
+    """Run a trial as a user does."""
     line = [sys.executable, "-m", f"geoprim_ros.endurance.{module}", *map(str, words)]
-    apart = {**os.environ, "ROS_DOMAIN_ID": str(1 + (os.getpid() + 50) % 100)}
-    return subprocess.run(line, capture_output=True, text=True, timeout=500, env=apart)
+    return subprocess.run(line, capture_output=True, text=True, timeout=500)
 
 
 def test_killed_stages_that_start_again_are_taken_up_again(graph, feed, disc_message):

@@ -87,11 +87,13 @@ def owned(process):
     return found and found.group(1)
 
 
-def test_the_segment_of_a_killed_node_goes_and_that_of_a_living_one_stays(graph, monkeypatch):
+def test_the_segment_of_a_killed_node_goes_and_that_of_a_living_one_stays(
+    graph, make_domain, monkeypatch
+):
     """Each on a domain of its own, so that nobody else looks after the dead one."""
     processes = []
-    for i in range(2):
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(101 + (2 * os.getpid() + i) % 100))
+    for _ in range(2):
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(make_domain()))
         processes.append(graph.start("geoprim_ros.nodes.edges_node"))
     graph.spin_until(lambda: all(map(owned, processes)), 60.0)
     dead, living = map(owned, processes)
