@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
 from types import ModuleType
 
@@ -62,6 +63,19 @@ def _joined(words: list[str]) -> list[str]:
     return [start, *words[2:]] if start in COMMANDS else words
 
 
+def _telling_of_compiling(command: str) -> AbstractContextManager[None]:
+    """Say at the first kernel that has to be compiled why it takes so long."""
+    jit = sys.modules.get("geoprim_core._jit")
+    if jit is None or command == "warm":  # which shows how far it is
+        return nullcontext()
+    where = jit.cache_base() or "nowhere: the cache folder cannot be written"
+    text = f"geoprim: compiling kernels, up to two minutes; they are kept in {where}"
+    telling: AbstractContextManager[None] = jit.telling_of_compiling(
+        lambda: print(text, file=sys.stderr, flush=True)
+    )
+    return telling
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; what the person has to mend is one line and exit code 2."""
     words = _joined(list(sys.argv[1:] if argv is None else argv))
@@ -69,7 +83,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = build_parser(chosen).parse_args(words)
     command = _module(arguments.command)
     try:
-        return int(command.run(arguments))
+        with _telling_of_compiling(arguments.command):
+            return int(command.run(arguments))
     except GeoprimError as problem:
         print(f"geoprim {arguments.command}: {problem}", file=sys.stderr)
         return 2
