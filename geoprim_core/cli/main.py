@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
 from types import ModuleType
+from typing import Any
 
 from geoprim_core import __version__
 from geoprim_core.errors import GeoprimError
@@ -41,13 +42,32 @@ COMMANDS = {
 }
 
 
+class ShortUsage(argparse.HelpFormatter):
+    """Leaves the parameters of the chain, over a hundred, out of the first lines of a help text."""
+
+    def add_usage(
+        self,
+        usage: str | None,
+        actions: Iterable[argparse.Action],
+        groups: Iterable[Any],
+        prefix: str | None = None,
+    ) -> None:
+        """Add the usage without them."""
+        short = [a for a in actions if not _is_parameter(a)]
+        super().add_usage(usage, short, groups, prefix)
+
+
+def _is_parameter(action: argparse.Action) -> bool:
+    return any("." in word or word == "--polygon_method" for word in action.option_strings)
+
+
 def build_parser(chosen: str | None = None) -> argparse.ArgumentParser:
     """Return the parser; only the chosen command's arguments are filled in."""
     parser = argparse.ArgumentParser(prog="geoprim", description=__doc__)
     parser.add_argument("--version", action="version", version=f"geoprim {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, text in COMMANDS.items():
-        command = commands.add_parser(name, help=text, description=text)
+        command = commands.add_parser(name, help=text, description=text, formatter_class=ShortUsage)
         if name == chosen:
             _module(name).add_arguments(command)
     return parser
