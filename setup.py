@@ -20,6 +20,20 @@ NODES = [
     "bag_recorder",
 ]
 
+# Of the library and its bags; ROS comes from its own packages. Versions: tools/constraints.txt.
+LIBRARY = [
+    "lz4",
+    "mcap",
+    "numba",
+    "numpy",
+    "opencv-python-headless",
+    "PyYAML",
+    "rosbags",
+    "scipy",
+    "tqdm",
+    "zstandard",
+]
+
 setup(
     name=PACKAGE,
     version="0.1.0",
@@ -36,8 +50,12 @@ setup(
         (f"share/{PACKAGE}/config", sorted(glob("config/*"))),
     ],
     python_requires=">=3.11",
-    install_requires=["setuptools"],
-    extras_require={"test": ["hypothesis", "pytest"]},
+    install_requires=LIBRARY,
+    extras_require={
+        "plots": ["matplotlib", "scikit-image"],
+        "view": ["foxglove-sdk"],
+        "test": ["hypothesis", "pytest"],
+    },
     zip_safe=False,
     entry_points={
         "console_scripts": [

@@ -17,7 +17,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from geoprim_core.ecc import DetectorParams, detect_ellipses
     from geoprim_core.edges import EdgeParams, extract_contours
-    from geoprim_core.fitting import fit_ellipse
+    from geoprim_core.fitting import fit_ellipse, fit_ellipses
+    from geoprim_core.io.drawing import draw_overlay
+    from geoprim_core.io.images import read_image, write_image
     from geoprim_core.polygon import approximate
     from geoprim_core.tangent import estimate_tangents
 
@@ -28,25 +30,39 @@ __all__ = [
     "EdgeParams",
     "approximate",
     "detect_ellipses",
+    "draw_overlay",
     "estimate_tangents",
     "extract_contours",
     "fit_ellipse",
+    "fit_ellipses",
+    "read_image",
+    "write_image",
 ]
 
-# Public name -> room. Loaded on first use, so that `import geoprim_core` stays quick.
+# Public name -> module. Loaded on first use, so that `import geoprim_core` stays quick; rooms too.
 _HOMES = {
     "DetectorParams": "ecc",
     "EdgeParams": "edges",
     "approximate": "polygon",
     "detect_ellipses": "ecc",
+    "draw_overlay": "io.drawing",
     "estimate_tangents": "tangent",
     "extract_contours": "edges",
     "fit_ellipse": "fitting",
+    "fit_ellipses": "fitting",
+    "read_image": "io.images",
+    "write_image": "io.images",
 }
+_ROOMS = (
+    "applications", "ecc", "edges", "errors", "evaluation", "fitting", "io", "plotting", "polygon",
+    "synthetic", "tangent", "types",
+)  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
-    """Load a public name from its room on first use."""
+    """Load a room, or a public name from its module, on first use."""
+    if name in _ROOMS:
+        return import_module(f"geoprim_core.{name}")
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(f"geoprim_core.{_HOMES[name]}"), name)
@@ -55,4 +71,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return sorted([*__all__, *_ROOMS])

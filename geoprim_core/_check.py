@@ -30,6 +30,11 @@ def describe(value: object) -> str:
     return f"{text if len(text) <= 60 else text[:57] + '...'} ({type(value).__name__})"
 
 
+def with_article(noun: str) -> str:
+    """Return "a camera", "an ellipse"."""
+    return f"{'an' if noun[0].lower() in 'aeio' else 'a'} {noun}"
+
+
 def _canonical(value: object, shape: tuple[int | None, ...]) -> bool:
     """Tell in a microsecond of an array that it needs no conversion: fits take only a few."""
     return (

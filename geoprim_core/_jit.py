@@ -15,13 +15,15 @@ import os
 import re
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
+from numba.core import event
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -117,6 +119,28 @@ def summing_kernel(function: Function) -> Function:
     same numbers have the same sum each time.
     """
     return _compiled(function, fastmath={"contract", "reassoc"}, _nrt=False)
+
+
+@contextmanager
+def telling_of_compiling(tell: Callable[[], object]) -> Iterator[None]:
+    """Call `tell` once, before a kernel is compiled that is not on disk yet."""
+    with event.install_listener("numba:compile", _Once(tell)):
+        yield
+
+
+class _Once(event.Listener):  # type: ignore[misc]
+    """Calls a function at the first event."""
+
+    def __init__(self, tell: Callable[[], object]) -> None:
+        self._waiting = [tell]
+
+    def on_start(self, event: Any) -> None:
+        """Call it, if it has not been called yet."""
+        while self._waiting:
+            self._waiting.pop()()
+
+    def on_end(self, event: Any) -> None:
+        """Do nothing."""
 
 
 def _compiled(function: Function, **options: Any) -> Function:

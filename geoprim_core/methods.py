@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from geoprim_core._check import describe
+from geoprim_core._check import describe, with_article
 from geoprim_core.errors import ParameterError
 from geoprim_core.params import Params
 
@@ -35,11 +36,14 @@ class Table:
         return len(self._rows)
 
     def __getitem__(self, name: str) -> Method:
-        """Return the row of a name; an unknown one raises `ParameterError` with the known ones."""
+        """Return the row of a name; an unknown one raises `ParameterError` with the nearest."""
         try:
             return self._rows[name]
         except (KeyError, TypeError):
-            expected = f"a {self.family} method, one of {', '.join(self.names)}"
+            near = difflib.get_close_matches(str(name).lower(), self._rows, 1)
+            hint = f" (did you mean {near[0]!r}?)" if near else ""
+            noun = with_article(f"{self.family} method")
+            expected = f"{noun}{hint}, one of {', '.join(self.names)}"
             raise ParameterError("method", expected, describe(name)) from None
 
     @property

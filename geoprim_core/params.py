@@ -28,7 +28,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar, Self, cast
 
-from geoprim_core._check import describe
+from geoprim_core._check import describe, with_article
 from geoprim_core.errors import ParameterError
 
 Scalar = bool | int | float | str
@@ -80,11 +80,19 @@ class Option:
             raise ParameterError(self.name, self.expectation(), describe(value))
         return result
 
+    def meant(self, value: Any) -> Any:
+        """Return a whole number as the number or the text that it stands for, else the value.
+
+        A YAML file says 1 for 1.0, and 2 for the scheme of that name.
+        """
+        if type(value) is int and self.kind is float:
+            return float(value)
+        return str(value) if type(value) is int and str(value) in self.choices else value
+
     def _typed(self, value: Any) -> Scalar:
         if hasattr(value, "item") and getattr(value, "ndim", 1) == 0:
             value = value.item()  # a numpy scalar
-        if self.kind is float and isinstance(value, int | float) and not isinstance(value, bool):
-            return float(value)
+        value = self.meant(value)
         if type(value) is not self.kind:
             raise ParameterError(self.name, self.expectation(), describe(value))
         return cast(Scalar, value)
@@ -121,7 +129,7 @@ class Params:
             if "group" in field.metadata:
                 wanted = field.metadata["group"]
                 if not isinstance(value, wanted):
-                    raise ParameterError(field.name, f"a {wanted.__name__}", describe(value))
+                    raise ParameterError(field.name, with_article(wanted.__name__), describe(value))
                 continue
             declared = dataclasses.replace(field.metadata["option"], name=field.name)
             object.__setattr__(self, field.name, declared.checked(value))
@@ -202,5 +210,5 @@ def as_params(value: Any, wanted: type[Any], argument: str = "params") -> Any:
     if value is None:
         return _defaults(cast(Hashable, wanted))
     if not isinstance(value, wanted):
-        raise ParameterError(argument, f"a {wanted.__name__} or None", describe(value))
+        raise ParameterError(argument, f"{with_article(wanted.__name__)} or None", describe(value))
     return value

@@ -7,8 +7,8 @@ from geoprim_core.ecc import DetectorParams, detect_from_contours, find_polygons
 from geoprim_core.ecc.refined import RefinedTrace, trace_refined
 from geoprim_core.ecc.schemes import SchemeTrace, trace_scheme
 from geoprim_core.edges import EdgeTrace, extract_contours, trace_edges
-from geoprim_core.synthetic import disc_image
 from geoprim_core.types import Contours, EllipseDetections, Polygons
+from geoprim_core.warm import warm_scenes
 
 EccTrace = SchemeTrace | RefinedTrace
 
@@ -39,10 +39,6 @@ def trace_ellipses(contours: Contours, polygons: Polygons, params: DetectorParam
 
 def work_once(params: DetectorParams) -> None:
     """Bring every kernel of the chain to run."""
-    contours = find_contours(warm_up_scene(), params)
-    find_ellipses(contours, find_polygons(contours, params), params)
-
-
-def warm_up_scene() -> AnyArray:
-    """Return a small picture that brings every kernel of the chain to run."""
-    return disc_image(96, 80, centre=(48.0, 40.0), radius=25.0)
+    for image in warm_scenes():
+        contours = find_contours(image, params)
+        find_ellipses(contours, find_polygons(contours, params), params)

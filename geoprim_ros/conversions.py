@@ -12,6 +12,7 @@ import numpy as np
 
 from geoprim_core._check import AnyArray
 from geoprim_core.errors import InputError
+from geoprim_core.io.definitions import field_names, message_texts
 from geoprim_core.io.image_message import image_to_fields
 from geoprim_core.io.record import Record, stamp_of
 from geoprim_core.io.wire import Wired, to_wire
@@ -44,6 +45,25 @@ def message_class(type_name: str) -> Any:
     except (ValueError, ImportError, AttributeError):
         expected = "a message type whose package is installed"
         raise InputError("type_name", expected, repr(type_name)) from None
+
+
+def check_installed(kind: Any) -> None:
+    """Raise where a message class of ours was not built from the definitions of this version.
+
+    Raises
+    ------
+    InputError
+        After an update of the sources alone: the text says what to do.
+    """
+    name = f"{kind.__module__.partition('.')[0]}/msg/{kind.__name__}"
+    text = message_texts().get(name)
+    if text is None:
+        return
+    differ = set(field_names(name, text)).symmetric_difference(kind.get_fields_and_field_types())
+    if differ:
+        expected = "the messages of this version; build them again (./run setup, or colcon build)"
+        got = f"a {kind.__name__} that differs in {', '.join(sorted(differ))}"
+        raise InputError("geoprim_msgs", expected, got)
 
 
 def to_message(record: Record) -> Any:

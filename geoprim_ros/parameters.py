@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, Generic, Protocol, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -11,7 +12,6 @@ from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValu
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from geoprim_core.errors import ParameterError
 from geoprim_core.params import Option, Params
 
 P = TypeVar("P", bound=Params)
@@ -32,7 +32,7 @@ class Follower(Protocol):
         """Put changed ROS parameters in effect."""
 
     def typed(self, name: str, value: Any) -> Any:
-        """Return a whole number as a float where the ROS parameter is a float."""
+        """Return a whole number in the type of the ROS parameter where it can be meant so."""
 
 
 class LiveParams(Generic[P]):
@@ -95,11 +95,11 @@ class LiveParams(Generic[P]):
         self.value = self.changed(parameters)
 
     def typed(self, name: str, value: Any) -> Any:
-        """Return a whole number as a float where the ROS parameter is a float."""
+        """Return a whole number in the type of the ROS parameter where it can be meant so."""
         declared = self.options.get(name.removeprefix(self.prefix))
-        if declared is None or not name.startswith(self.prefix) or declared.kind is not float:
+        if declared is None or not name.startswith(self.prefix):
             return value
-        return float(value) if type(value) is int else value
+        return declared.meant(value)
 
 
 def declare(
@@ -112,13 +112,20 @@ def declare(
     ParameterError
         The value given at the start is of another type or out of range.
     """
+    descriptor = describe(declared)
+    descriptor.read_only = read_only
     try:
-        descriptor = describe(declared)
-        descriptor.read_only = read_only
         return node.declare_parameter(name, default, descriptor).value
-    except (InvalidParameterTypeException, InvalidParameterValueException) as error:
-        hint = " (a number with a decimal point)" if declared.kind is float else ""
-        raise ParameterError(name, declared.expectation() + hint, str(error)) from None
+    except (InvalidParameterTypeException, InvalidParameterValueException):
+        value = replace(declared, name=name).checked(_given(node, name, default))
+        return node.declare_parameter(name, value, descriptor, ignore_override=True).value
+
+
+def _given(node: Node, name: str, default: Any) -> Any:
+    """Return the value of any type that a command line or parameter file gives."""
+    value = node.declare_parameter(name, default, ParameterDescriptor(dynamic_typing=True)).value
+    node.undeclare_parameter(name)
+    return value
 
 
 def describe(declared: Option) -> Any:

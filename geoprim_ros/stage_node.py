@@ -19,6 +19,7 @@ from std_srvs.srv import SetBool
 from geoprim_core.errors import GeoprimError
 from geoprim_core.io.record import stamp_of
 from geoprim_core.params import Params, option
+from geoprim_ros.conversions import check_installed
 from geoprim_ros.inputs import Input, Source
 from geoprim_ros.parameters import Follower, LiveParams, as_values
 from geoprim_ros.qos import QosReports, overridden, result_qos, sensor_qos
@@ -135,6 +136,7 @@ class StageNode(Node):  # type: ignore[misc]
 
     def advertise(self, kind: Any, topic: str, qos: QoSProfile | None = None) -> Any:
         """Publish on a topic, reliably, unless parameters override it."""
+        check_installed(kind)
         name = self.resolve_topic_name(topic)
         profile = overridden(self, name, "publisher", qos or result_qos())
         events = self._reports.of_publisher(name, profile, lambda _: self.refresh())

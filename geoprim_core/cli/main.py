@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
 from types import ModuleType
+from typing import Any
 
 from geoprim_core import __version__
 from geoprim_core.cli.values import Parser, UsageError
@@ -41,13 +43,32 @@ COMMANDS = {
 }
 
 
+class ShortUsage(argparse.HelpFormatter):
+    """Leaves the parameters of the chain, over a hundred, out of the first lines of a help text."""
+
+    def add_usage(
+        self,
+        usage: str | None,
+        actions: Iterable[argparse.Action],
+        groups: Iterable[Any],
+        prefix: str | None = None,
+    ) -> None:
+        """Add the usage without them."""
+        short = [a for a in actions if not _is_parameter(a)]
+        super().add_usage(usage, short, groups, prefix)
+
+
+def _is_parameter(action: argparse.Action) -> bool:
+    return any("." in word or word == "--polygon_method" for word in action.option_strings)
+
+
 def build_parser(chosen: str | None = None) -> argparse.ArgumentParser:
     """Return the parser; only the chosen command's arguments are filled in."""
     parser = Parser(prog="geoprim", description=__doc__)
     parser.add_argument("--version", action="version", version=f"geoprim {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, text in COMMANDS.items():
-        command = commands.add_parser(name, help=text, description=text)
+        command = commands.add_parser(name, help=text, description=text, formatter_class=ShortUsage)
         if name == chosen:
             _module(name).add_arguments(command)
     return parser
@@ -63,6 +84,19 @@ def _joined(words: list[str]) -> list[str]:
     return [start, *words[2:]] if start in COMMANDS else words
 
 
+def _telling_of_compiling(command: str) -> AbstractContextManager[None]:
+    """Say at the first kernel that has to be compiled why it takes so long."""
+    jit = sys.modules.get("geoprim_core._jit")
+    if jit is None or command == "warm":  # which shows how far it is
+        return nullcontext()
+    where = jit.cache_base() or "nowhere: the cache folder cannot be written"
+    text = f"geoprim: compiling kernels, up to two minutes; they are kept in {where}"
+    telling: AbstractContextManager[None] = jit.telling_of_compiling(
+        lambda: print(text, file=sys.stderr, flush=True)
+    )
+    return telling
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; what the person has to mend is one line and exit code 2."""
     words = _joined(list(sys.argv[1:] if argv is None else argv))
@@ -74,7 +108,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     command = _module(arguments.command)
     try:
-        return int(command.run(arguments))
+        with _telling_of_compiling(arguments.command):
+            return int(command.run(arguments))
     except GeoprimError as problem:
         print(f"geoprim {arguments.command}: {problem}", file=sys.stderr)
         return 2

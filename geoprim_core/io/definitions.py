@@ -82,6 +82,18 @@ def schema_text(type_name: str) -> str:
     return _RULE.join(section.rstrip("\n") + "\n" for section in sections)
 
 
+def field_names(type_name: str, text: str) -> list[str]:
+    """Return the names of the fields of one definition, in order, without constants.
+
+    Examples
+    --------
+    >>> field_names("std_msgs/msg/ColorRGBA", "float32 r 1.0")
+    ['r']
+    """
+    _, fields = get_types_from_msg(text, type_name)[type_name]
+    return [name for name, _ in fields]
+
+
 def split_schema(type_name: str, text: str) -> dict[str, str]:
     """Return full type name -> text of the parts of a schema text."""
     main, *parts = text.replace("\r\n", "\n").split(_RULE)

@@ -29,6 +29,16 @@ _ENCODINGS: dict[str, tuple[str, int, int | None]] = {
     "rgb8": ("u1", 3, cv2.COLOR_RGB2BGR),
     "bgra8": ("u1", 4, cv2.COLOR_BGRA2BGR),
     "rgba8": ("u1", 4, cv2.COLOR_RGBA2BGR),
+    "bgr16": ("u2", 3, None),
+    "16UC3": ("u2", 3, None),
+    "rgb16": ("u2", 3, cv2.COLOR_RGB2BGR),
+    "bgra16": ("u2", 4, cv2.COLOR_BGRA2BGR),
+    "rgba16": ("u2", 4, cv2.COLOR_RGBA2BGR),
+    # As USB cameras send: a grey level a pixel, and by turns one of the two colours.
+    "yuv422": ("u1", 2, cv2.COLOR_YUV2BGR_UYVY),
+    "uyvy": ("u1", 2, cv2.COLOR_YUV2BGR_UYVY),
+    "yuv422_yuy2": ("u1", 2, cv2.COLOR_YUV2BGR_YUY2),
+    "yuyv": ("u1", 2, cv2.COLOR_YUV2BGR_YUY2),
 }
 _BAYER = {
     "rggb": cv2.COLOR_BayerBG2BGR,
@@ -51,6 +61,8 @@ _DEFAULTS = {
     ("f8", 1): "64FC1",
     ("u1", 3): "bgr8",
     ("u1", 4): "bgra8",
+    ("u2", 3): "bgr16",
+    ("u2", 4): "bgra16",
 }
 
 
@@ -91,6 +103,9 @@ def image_from_message(message: Any) -> AnyArray:
         return array
     if str(message.encoding).startswith("bayer"):
         return _demosaiced(array, conversion)
+    if channels == 2 and array.shape[1] % 2:
+        expected = f"an even number, as two pixels share their colour in {message.encoding}"
+        raise ImageError("width", expected, f"{array.shape[1]}")
     converted: AnyArray = cv2.cvtColor(np.ascontiguousarray(array), conversion)
     return converted
 
@@ -104,7 +119,7 @@ def image_to_fields(image: AnyArray, encoding: str | None = None) -> dict[str, A
         Written as it stands: an encoding names the order of its channels, it converts nothing.
         Pixels may be NaN, as in depth images.
     encoding : str, optional
-        Default by type and channels: mono8, mono16, 32FC1, 64FC1, bgr8 or bgra8.
+        Default by type and channels: mono8, mono16, 32FC1, 64FC1, bgr8, bgra8, bgr16 or bgra16.
 
     Raises
     ------
@@ -117,9 +132,7 @@ def image_to_fields(image: AnyArray, encoding: str | None = None) -> dict[str, A
     kind = image.dtype.str[1:]
     name = encoding or _DEFAULTS.get((kind, channels))
     if name is None or _encoding(name)[:2] != (kind, channels):
-        expected = (
-            f"an image that fits encoding {name or 'mono8, mono16, 32FC1, 64FC1, bgr8, bgra8'}"
-        )
+        expected = f"an image that fits encoding {name or ', '.join(_DEFAULTS.values())}"
         raise ImageError("image", expected, describe(image))
     data = np.ascontiguousarray(image.astype(f"<{kind}", copy=False))
     return {

@@ -19,8 +19,8 @@ from geoprim_core.io.process import Chain, Results
 from geoprim_core.io.record import stamp_of
 from geoprim_core.io.shown import OverlayParams, to_show
 from geoprim_core.io.wire import from_wire
-from geoprim_core.synthetic import disc_image
 from geoprim_core.types import Detections, EllipseDetections
+from geoprim_core.warm import warm_scenes
 
 _RESULTS = ("ellipses", "detections")
 _TIMES_KEPT = 100
@@ -43,7 +43,8 @@ class Detector:
 
     def warm_up(self) -> None:
         """Bring every kernel of the chain to run."""
-        self.chain.run(disc_image(96, 80, centre=(48.0, 40.0), radius=25.0))
+        for image in warm_scenes():
+            self.chain.run(image)
 
     def frame(self, image: Any, stamp_ns: int, frame_id: str, camera_info: Any) -> ViewFrame:
         """Return the frame of an image with what the chain finds in it."""

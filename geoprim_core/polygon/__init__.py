@@ -158,7 +158,8 @@ def approximate(
     [0, 4, 8]
     """
     if not isinstance(contours, Contours):
-        raise InputError("contours", "a Contours", describe(contours))
+        expected = "a Contours (of bare points: Contours.from_curves([points]))"
+        raise InputError("contours", expected, describe(contours))
     row = TABLE[method]
     checked = as_params(params, row.params)
     if method in _BATCHES:

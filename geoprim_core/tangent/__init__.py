@@ -143,7 +143,8 @@ def estimate_tangents(
     [nan, 0.0, nan]
     """
     if not isinstance(contours, Contours):
-        raise InputError("contours", "a Contours", describe(contours))
+        expected = "a Contours (of bare points: Contours.from_curves([points]))"
+        raise InputError("contours", expected, describe(contours))
     row = TABLE[method]
     checked = as_params(params, row.params)
     if method in _BATCHES:

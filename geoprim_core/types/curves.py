@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -25,7 +25,14 @@ def _flags(value: Any, count: int, argument: str) -> BoolArray:
     return np.ascontiguousarray(array)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+def _part(offsets: IntArray, index: int, noun: str) -> slice:
+    count = len(offsets) - 1
+    if not -count <= index < count:
+        raise IndexError(f"{noun} {index} of {count}")
+    return slice(offsets[index % count], offsets[index % count + 1])
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Contours(Frozen):
     """Edge contours (digital curves) of one image.
 
@@ -87,15 +94,32 @@ class Contours(Frozen):
 
     def __getitem__(self, index: int) -> FloatArray:
         """Return the pixels (n, 2) of one contour, a view."""
-        count = len(self)
-        if not -count <= index < count:
-            raise IndexError(f"contour {index} of {count}")
-        index %= count
-        return self.points[self.offsets[index] : self.offsets[index + 1]]
+        return self.points[_part(self.offsets, index, "contour")]
 
     def __iter__(self) -> Iterator[FloatArray]:
         """Iterate over the pixels (n, 2) of each contour."""
         return (self[k] for k in range(len(self)))
+
+    @classmethod
+    def from_curves(
+        cls, curves: Sequence[Any], closed: Any = False, image_size: tuple[int, int] | None = None
+    ) -> Self:
+        """Build from point arrays (n, 2), one a curve, and one flag for all or one for each.
+
+        Raises
+        ------
+        InputError
+            A curve is no array of points, or there is not one flag a curve.
+
+        Examples
+        --------
+        >>> pair = Contours.from_curves([[(0, 0), (1, 0)], [(5, 5), (6, 6), (7, 6)]])
+        >>> len(pair), pair.offsets.tolist(), pair[1].tolist()[0]
+        (2, [0, 2, 5], [5.0, 5.0])
+        """
+        parts = [_check.points(c, f"curves[{k}]") for k, c in enumerate(curves)]
+        offsets = np.cumsum([0, *map(len, parts)])
+        return cls(np.concatenate([np.empty((0, 2)), *parts]), offsets, closed, image_size)
 
     @property
     def positions(self) -> FloatArray:
@@ -103,7 +127,7 @@ class Contours(Frozen):
         return self.points if self.subpixel is None else self.subpixel
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Polygons(Frozen):
     """Polygonal approximations: for each contour the indices of its dominant points.
 
@@ -144,11 +168,7 @@ class Polygons(Frozen):
 
     def __getitem__(self, index: int) -> IntArray:
         """Return the vertex indices (m,) of one polygon within its contour, a view."""
-        count = len(self)
-        if not -count <= index < count:
-            raise IndexError(f"polygon {index} of {count}")
-        index %= count
-        return self.indices[self.offsets[index] : self.offsets[index + 1]]
+        return self.indices[_part(self.offsets, index, "polygon")]
 
     def vertices(self, contours: Contours) -> FloatArray:
         """Return the vertices (M, 2) of all polygons, in the order of `indices`."""
@@ -159,7 +179,7 @@ class Polygons(Frozen):
         return vertices
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Tangents(Frozen):
     """Tangent directions of every contour pixel.
 
@@ -177,3 +197,11 @@ class Tangents(Frozen):
     def __post_init__(self) -> None:
         angle = _check.numbers(self.angle, "angle", (None,))
         self._set(angle=angle, offsets=_check.offsets(self.offsets, len(angle)))
+
+    def __len__(self) -> int:
+        """Return the number of contours."""
+        return len(self.offsets) - 1
+
+    def __getitem__(self, index: int) -> FloatArray:
+        """Return the angles (n,) along one contour, a view."""
+        return self.angle[_part(self.offsets, index, "contour")]

@@ -14,7 +14,7 @@ from geoprim_core.types.ellipses import Ellipses
 from geoprim_core.types.frozen import Frozen
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class EllipseDetections(Frozen):
     """Ellipses found in an image, best first.
 
@@ -91,7 +91,7 @@ class EllipseDetections(Frozen):
         )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Detections(Frozen):
     """Labelled objects found in an image.
 

@@ -36,7 +36,7 @@ class Ellipse:
             raise InputError("angle", "an angle in [0, pi)", f"{self.angle}")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Ellipses(Frozen):
     """n ellipses as five arrays (n,): x, y, semi_major, semi_minor in pixels, angle in [0, pi)."""
 

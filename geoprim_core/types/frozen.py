@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any, Self
+
+import numpy as np
+
+_SHOWN = 6  # numbers; a larger array is told by its shape
 
 
 class Frozen:
     """Lets a frozen dataclass put the checked form of an argument in place."""
 
     __slots__ = ()
+
+    def __repr__(self) -> str:
+        """Return all fields; of long arrays only shape and type."""
+        named = ((f.name, getattr(self, f.name)) for f in fields(self))  # type: ignore[arg-type]
+        return f"{type(self).__name__}({', '.join(f'{k}={_brief(v)}' for k, v in named)})"
 
     @classmethod
     def made(cls, sound: bool, **values: Any) -> Self:
@@ -26,3 +36,11 @@ class Frozen:
     def _set(self, **values: Any) -> None:
         for name, value in values.items():
             object.__setattr__(self, name, value)
+
+
+def _brief(value: Any) -> str:
+    if isinstance(value, np.ndarray) and value.size > _SHOWN:
+        return f"<{value.dtype} {value.shape}>"
+    if isinstance(value, tuple) and len(value) > _SHOWN:
+        return f"<{len(value)} of {type(value[0]).__name__}>"
+    return repr(value)

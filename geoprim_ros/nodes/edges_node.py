@@ -9,7 +9,8 @@ from geoprim_msgs.msg import Contours
 
 from geoprim_core.ecc import DetectorParams
 from geoprim_core.io.image_message import image_from_message
-from geoprim_ros.chain import find_contours, warm_up_scene
+from geoprim_core.warm import warm_scenes
+from geoprim_ros.chain import find_contours
 from geoprim_ros.conversions import core_message
 from geoprim_ros.debug_images import EdgeDebug
 from geoprim_ros.image_input import ImageInput
@@ -23,10 +24,14 @@ class EdgesNode(StageNode):
     def __init__(self, **options: Any) -> None:
         super().__init__("edges_node", **options)
         self._params = self.live_params(DetectorParams(), wanted=lambda n: n.startswith("edges."))
-        self.warm_up(lambda: find_contours(warm_up_scene(), self._params.value))
+        self.warm_up(self._work_once)
         self._contours = self.advertise(Contours, "contours")
         self._debug = EdgeDebug(self)
         ImageInput(self).connect(self._on_image)
+
+    def _work_once(self) -> None:
+        for image in warm_scenes():
+            find_contours(image, self._params.value)
 
     def _on_image(self, message: Any) -> None:
         image = image_from_message(message)

@@ -9,7 +9,8 @@ from geoprim_msgs.msg import Contours, Polygons
 
 from geoprim_core.ecc import DetectorParams, find_polygons
 from geoprim_core.io.wire import from_wire
-from geoprim_ros.chain import find_contours, warm_up_scene
+from geoprim_core.warm import warm_scenes
+from geoprim_ros.chain import find_contours
 from geoprim_ros.conversions import core_message
 from geoprim_ros.frames import Frames
 from geoprim_ros.spin import run
@@ -33,8 +34,8 @@ class PolygonsNode(StageNode):
         self._frames.clear()
 
     def _work_once(self) -> None:
-        params = self._params.value
-        find_polygons(find_contours(warm_up_scene(), params), params)
+        params, (image, *_) = self._params.value, warm_scenes()
+        find_polygons(find_contours(image, params), params)
 
     def _approximate(self, frame: dict[str, Any]) -> None:
         params, message = self._params.value, frame["contours"]

@@ -22,7 +22,7 @@ ALLOWED = {
     "applications": METHOD_ROOMS | {"ecc"},
     "synthetic": {"fitting"},
     "evaluation": METHOD_ROOMS | {"ecc", "synthetic"},
-    "io": METHOD_ROOMS | {"ecc", "applications", "synthetic", "evaluation"},
+    "io": METHOD_ROOMS | {"ecc", "applications", "synthetic", "evaluation", "warm"},
     "plotting": METHOD_ROOMS | {"ecc", "applications", "evaluation", "io", "synthetic"},
     "warm": METHOD_ROOMS | {"ecc", "synthetic"},
     "cli": METHOD_ROOMS

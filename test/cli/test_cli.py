@@ -108,6 +108,16 @@ def test_every_parameter_is_an_option_with_its_range(capsys):
         assert f"--{option.name}" in text
 
 
+@pytest.mark.parametrize("command", ["detect", "process", "explain"])
+def test_a_refusal_is_not_buried_under_the_parameters(command, capsys):
+    """The usage before an error had listed them all, over ninety lines."""
+    with pytest.raises(SystemExit):
+        main([command, "--edges.sigma", "99"])
+    usage = capsys.readouterr().err
+    assert len(usage.splitlines()) <= 6
+    assert "--edges." not in usage.partition("error:")[0]
+
+
 def test_tangents_draws_normals_and_writes_angles(disc, tmp_path, capsys):
     words = ["tangents", disc, "--method", "deb", "--radius", 5, "-o", tmp_path / "normals.png"]
     assert main([str(w) for w in [*words, "--csv", tmp_path / "angles.csv"]]) == 0

@@ -61,11 +61,18 @@ def test_wrong_parameters_are_refused():
         geoprim_core.detect_ellipses(image, {"edges": 1})
     contours = geoprim_core.extract_contours(image)
     with pytest.raises(
-        InputError, match=r"method: expected a polygon.* method, one of rdp, rdp_mod"
+        InputError,
+        match=r"method: expected a polygon.* method \(did you mean 'rdp_mod'\?\), one of rdp, ",
     ):
         geoprim_core.approximate(contours, method="rdp_modd")
     with pytest.raises(InputError, match=r"method: expected a .*one of .*ellifit"):
         geoprim_core.fit_ellipse([[0, 0]], method="circle")
+    with pytest.raises(InputError, match=r"did you mean 'masood_mod'"):
+        geoprim_core.approximate(contours, method="Masood(mod)")
+    with pytest.raises(InputError, match="params: expected an EdgeParams or None"):
+        geoprim_core.extract_contours(image, {"sigma": 1.0})
+    with pytest.raises(InputError, match=r"contours: expected a Contours .*from_curves"):
+        geoprim_core.approximate(np.zeros((9, 2)))
 
 
 def test_a_large_image_with_one_disc():

@@ -1,6 +1,7 @@
 """The demo bag: photographs as their files hold them, sequences with their ground truth."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,13 @@ import pytest
 from geoprim_core.errors import FileError
 from geoprim_core.io.bags import BagReader
 from geoprim_core.io.camera_message import camera_from_message
-from geoprim_core.io.demo_bag import PHOTOGRAPH_TICKS, RATE_HZ, build_demo_bag
+from geoprim_core.io.demo_bag import (
+    PHOTOGRAPH_FRAMES,
+    PHOTOGRAPH_TICKS,
+    RATE_HZ,
+    SORTING_FRAMES,
+    build_demo_bag,
+)
 from geoprim_core.io.photographs import PHOTOGRAPHS, packaged_photographs
 from geoprim_core.io.wire import from_wire
 from geoprim_core.synthetic import SORTING_LINES, sorting_sequence
@@ -86,6 +93,10 @@ def test_the_readme_lists_every_sequence():
         assert f"| `photo_{name}` | `{photograph.file}` | {photograph.source} |" in text
     for line in SORTING_LINES:
         assert f"`sorting_{line}`" in text
+    photographs, sorting = re.findall(r"\| (\d+)(?: each) \|", text)
+    assert (int(photographs), int(sorting)) == (PHOTOGRAPH_FRAMES, SORTING_FRAMES)
+    rates = [RATE_HZ, RATE_HZ // PHOTOGRAPH_TICKS]
+    assert list(map(int, re.findall(r"(\d+) Hz", text))) == rates
 
 
 def test_a_place_that_cannot_be_written_is_refused(tmp_path):

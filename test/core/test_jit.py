@@ -123,3 +123,29 @@ faults = (resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before) / 10
 assert faults < 100, f"{faults} pages a call, of which an image in float32 alone has 300"
 """
     subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def test_the_first_compiling_is_told_once_and_what_is_on_disk_is_not(tmp_path):
+    """Somebody who installed the package waited two minutes for the first image, without a word."""
+    file = tmp_path / "_kernels_pair.py"
+    file.write_text(
+        "from geoprim_core._jit import kernel\n"
+        "@kernel\ndef double(x):\n    return 2.0 * x\n"
+        "@kernel\ndef triple(x):\n    return 3.0 * x\n"
+    )
+    script = (
+        "from geoprim_core._jit import telling_of_compiling\n"
+        "import _kernels_pair as pair\n"
+        "with telling_of_compiling(lambda: print('told')):\n"
+        "    pair.double(1.0)\n"
+        "    pair.triple(1.0)\n"
+    )
+    environment = {**os.environ, "GEOPRIM_CACHE_DIR": str(tmp_path)}
+    told = [
+        subprocess.run(
+            [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{script}"],
+            env=environment, check=True, capture_output=True, text=True,
+        ).stdout
+        for _ in range(2)
+    ]  # fmt: skip
+    assert told == ["told\n", ""]

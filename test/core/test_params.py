@@ -26,6 +26,17 @@ class Outer(Params):
     scale: float = option(2.0, "a scale")
 
 
+def test_whole_numbers_stand_for_floats_and_for_names_that_are_numbers():
+    """In a YAML file 2 is a number, though it is the name of a scheme."""
+    params = DetectorParams.from_dict({"ecc.scheme": 2, "edges.sigma": 1})
+    assert params.ecc.scheme == "2"
+    assert isinstance(params.edges.sigma, float)
+    with pytest.raises(ParameterError, match=r"ecc.scheme: expected one of refined, 1, .*, got 4"):
+        DetectorParams.from_dict({"ecc.scheme": 4})
+    with pytest.raises(ParameterError, match=r"ecc.scheme: expected one of"):
+        DetectorParams.from_dict({"ecc.scheme": True})
+
+
 @pytest.mark.parametrize(
     ("name", "value", "expected"),
     [
@@ -67,7 +78,7 @@ def test_an_unknown_name_is_refused_and_the_nearest_offered():
 
 
 def test_a_group_of_another_class_is_refused():
-    with pytest.raises(ParameterError, match="inner: expected a Inner"):
+    with pytest.raises(ParameterError, match="inner: expected an Inner"):
         Outer(inner=Outer())
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from geoprim_core import _check
 from geoprim_core.errors import ImageError, InputError
-from geoprim_core.types import Contours, Ellipse, EllipseDetections, Ellipses, Polygons
+from geoprim_core.types import Contours, Ellipse, EllipseDetections, Ellipses, Polygons, Tangents
 
 
 def two_contours():
@@ -107,3 +107,29 @@ def test_detections_keep_what_was_left_out_and_a_complete_result_has_no_reason()
     assert EllipseDetections.empty().complete
     with pytest.raises(InputError, match="reason: expected no text where the result is complete"):
         replace(found, complete=True)
+
+
+def test_angles_are_sliced_as_the_contours_are():
+    contours = two_contours()
+    tangents = Tangents(angle=np.arange(5.0), offsets=contours.offsets)
+    assert [angles.tolist() for angles in tangents] == [[0, 1, 2], [3, 4]]
+    assert len(tangents) == 2 and tangents[-1].tolist() == [3, 4]
+    with pytest.raises(IndexError, match="contour 2 of 2"):
+        tangents[2]
+
+
+def test_contours_are_built_from_curves():
+    contours = two_contours()
+    again = Contours.from_curves(list(contours), contours.closed, contours.image_size)
+    for name in ("points", "offsets", "closed"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(contours, name))
+    assert len(Contours.from_curves([])) == 0
+    with pytest.raises(InputError, match=r"curves\[1\]: expected a numeric array of shape"):
+        Contours.from_curves([[(0, 0)], [1, 2, 3]])
+
+
+def test_long_arrays_are_shown_by_their_shape():
+    contours = Contours.from_curves([np.zeros((700, 2)), np.ones((2, 2))], image_size=(9, 8))
+    text = repr(contours)
+    assert "points=<float64 (702, 2)>" in text
+    assert "offsets=array([  0, 700, 702])" in text and "image_size=(9, 8)" in text

@@ -23,8 +23,12 @@ CENTRE, RADIUS = (161.3, 118.7), 60.0
 
 def _picture(encoding):
     gray = disc_image(320, 240, centre=CENTRE, radius=RADIUS)
-    channels = {"rgba8": 4, "bgra8": 4, "rgb8": 3, "bgr8": 3, "8UC3": 3}.get(encoding, 1)
-    if encoding.endswith("16") or encoding == "16UC1":
+    channels = {"rgba": 4, "bgra": 4, "rgb": 3, "bgr": 3, "8UC3": 3, "16UC3": 3}
+    channels = channels.get(encoding if "UC" in encoding else encoding.rstrip("816"), 1)
+    if "yuv" in encoding or "uy" in encoding:
+        pair = [gray, np.full_like(gray, 128)]
+        return np.dstack(pair if "yuy" in encoding else pair[::-1])
+    if "16" in encoding:
         gray = gray.astype(np.uint16) * 200
     elif encoding == "32FC1":
         gray = gray.astype(np.float32) / 255
@@ -55,7 +59,7 @@ def test_every_encoding_gives_the_same_disc_with_padding_and_either_byte_order(d
 
 
 def _swap(message):
-    size = {"16": 2, "6UC1": 2, "2FC1": 4, "4FC1": 8}
+    size = {"16": 2, "6UC1": 2, "6UC3": 2, "2FC1": 4, "4FC1": 8}
     width = next((n for end, n in size.items() if message.encoding.endswith(end)), 1)
     data = np.frombuffer(message.data, f"<u{width}").byteswap()
     message.is_bigendian, message.data = 1, data.tobytes()

@@ -5,13 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from geoprim_msgs.msg import Contours as ContoursMessage
+from std_msgs.msg import String
 
+from geoprim_core.errors import InputError
 from geoprim_core.io.camera_message import camera_from_message
 from geoprim_core.io.definitions import message_texts, serialize
 from geoprim_core.io.record import Record, header
 from geoprim_core.io.wire import from_wire, to_wire
 from geoprim_core.types import Contours, Detections, EllipseDetections, Ellipses, Polygons
-from geoprim_ros.conversions import message_class, to_message
+from geoprim_ros.conversions import check_installed, message_class, to_message
 
 UNITS = ("pixel", "radian", "metre", "no unit", "point", "vertex")
 WITHOUT_UNIT = ("header", "method", "label", "closed", "complete", "reason")
@@ -120,3 +123,19 @@ def test_binning_and_region_keep_the_geometry_of_the_camera():
     assert (v - binned.cy) / binned.fy == pytest.approx((54.5 - plain.cy) / plain.fy)
     info.k = [0.0] * 9
     assert camera_from_message(info, 0.5) is None
+
+
+def test_messages_of_another_version_are_told_at_the_start():
+    """After an update without a new build every frame had ended in a traceback."""
+
+    class Contours(ContoursMessage):
+        @classmethod
+        def get_fields_and_field_types(cls):
+            fields = super().get_fields_and_field_types()
+            return {name: kind for name, kind in fields.items() if name != "softness"}
+
+    check_installed(ContoursMessage)
+    check_installed(String)
+    Contours.__module__ = ContoursMessage.__module__
+    with pytest.raises(InputError, match=r"build them again .*Contours that differs in softness"):
+        check_installed(Contours)

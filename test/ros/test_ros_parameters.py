@@ -98,6 +98,20 @@ def test_a_whole_number_is_taken_for_a_float(edges):
     assert edges.get_parameter("edges.sigma").value == 2.0
 
 
+def test_whole_numbers_of_a_file_stand_for_floats_and_names(graph, tmp_path):
+    """`scheme: 2` of a YAML file is a number, and so is `sigma: 1`."""
+    file = tmp_path / "scheme.yaml"
+    file.write_text("/**:\n  ros__parameters:\n    ecc: {scheme: 2}\n    edges: {sigma: 1}\n")
+    words = ["--ros-args", "--params-file", str(file)]
+    node = graph.add(DetectorNode(context=graph.context, cli_args=words))
+    assert node._params.value == DetectorParams.from_dict({"ecc.scheme": "2", "edges.sigma": 1.0})
+    assert node.get_parameter("ecc.scheme").value == "2"
+    (result,) = node.set_parameters(_parameters(ecc__scheme=3))
+    assert result.successful and node._params.value.ecc.scheme == "3"
+    with pytest.raises(ParameterError, match=r"ecc.scheme: expected one of .*, got 7 \(int\)"):
+        EllipsesNode(context=graph.context, cli_args=["--ros-args", "-p", "ecc.scheme:=7"])
+
+
 @pytest.mark.parametrize(
     "change",
     [
@@ -227,7 +241,7 @@ def _flat(values, prefix=""):
 
 
 def test_a_wrong_value_at_the_start_is_one_sentence(graph, tmp_path):
-    for text, said in (("99.0", "from 0.0 to 5.0 px"), ("'wide'", "a number")):
+    for text, said in (("99.0", "5.0 px, got 99.0"), ("'wide'", "got 'wide'")):
         args = ["--ros-args", "-p", f"edges.sigma:={text}"]
         with pytest.raises(ParameterError, match=f"edges.sigma: expected a number.*{said}"):
             EdgesNode(context=graph.context, cli_args=args)
@@ -292,7 +306,7 @@ def test_every_parameter_refuses_with_its_reason(graph, kind):
     node = graph.add(kind(context=graph.context))
     before = node._params.value
     for name, option in node._params.options.items():
-        wrong = "no such thing" if option.kind is not str else 3
+        wrong = "no such thing" if option.kind is not str else -3
         (result,) = node.set_parameters([Parameter(name, value=wrong)])
         assert not result.successful
         assert result.reason.startswith(f"{name}: expected {option.expectation()}, got ")

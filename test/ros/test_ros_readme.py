@@ -75,6 +75,14 @@ def test_the_commands_that_are_run_elsewhere_still_stand_there():
     assert set(ELSEWHERE) <= set(commands())
 
 
+def test_the_python_of_the_readme_runs(desk):
+    (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    script += (
+        "assert fit.ellipse is not None and len(found) == 1 and picture.shape == (120, 160, 3)"
+    )
+    subprocess.run([sys.executable, "-c", script], cwd=desk, check=True, timeout=300)
+
+
 def wait_for_handlers(process):
     """Wait until rclpy catches SIGTERM; a loaded machine takes a while to import it."""
     status, end = Path(f"/proc/{process.pid}/status"), time.monotonic() + 120.0
