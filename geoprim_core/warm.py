@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
 
 from geoprim_core._check import AnyArray
+from geoprim_core._jit import cache_base, source_digest
 from geoprim_core.errors import InputError
 
 
@@ -93,6 +96,26 @@ def warm_scenes() -> list[AnyArray]:
     noisy = np.clip(disc + noise, 0, 255).astype(np.uint8)
     hole = disc_image(96, 80, centre=(48.0, 40.0), radius=23.0, inside=180, outside=0)
     return [disc, noisy, disc - hole]
+
+
+def remove_other_kernels() -> int:
+    """Remove what other versions and places of the package have left in the cache folder.
+
+    They compile it again where they are still used.
+
+    Returns
+    -------
+    int
+        So many kernel files are forgotten.
+    """
+    base, rooms = cache_base(), Path(__file__).parent
+    files = [] if base is None else rooms.rglob("_kernels*.py")
+    ours = {f"{file.stem.lstrip('_')}-{source_digest(file)}" for file in files}
+    found = [] if base is None else base.glob("kernels*-" + 16 * "[0-9a-f]")
+    others = [folder for folder in found if folder.name not in ours]
+    for folder in others:
+        shutil.rmtree(folder, ignore_errors=True)
+    return len(others)
 
 
 def warm_kernels(

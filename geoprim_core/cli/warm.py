@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from geoprim_core._jit import cache_base
 from geoprim_core.cli.values import whole
-from geoprim_core.warm import PARTS, warm_kernels
+from geoprim_core.warm import PARTS, remove_other_kernels, warm_kernels
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,11 +22,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=os.cpu_count() or 1,
         help="so many at a time (all processors)",
     )
+    parser.add_argument(
+        "--clean", action="store_true", help="remove the kernels of other versions and places first"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run every scheme and method once on a small scene."""
     start = time.perf_counter()
+    if arguments.clean:
+        print(f"kernels of {remove_other_kernels()} other files removed")
     with tqdm(total=len(PARTS), unit="part", file=sys.stderr, leave=False) as bar:
         warm_kernels(processes=arguments.processes, step=lambda name: bar.update())
     where = cache_base() or "nowhere: the cache folder cannot be written"

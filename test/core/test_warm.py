@@ -2,11 +2,13 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from geoprim_core.errors import InputError
-from geoprim_core.warm import PARTS, warm_kernels
+from geoprim_core.fitting import _kernels_fit
+from geoprim_core.warm import PARTS, remove_other_kernels, warm_kernels
 
 
 @pytest.mark.parametrize("processes", [1, 2])
@@ -23,6 +25,17 @@ def test_unknown_parts_and_no_process_are_refused():
         warm_kernels(["tangent"])
     with pytest.raises(InputError, match="processes: expected at least 1, got 0"):
         warm_kernels(processes=0)
+
+
+def test_kernels_of_other_versions_are_removed(tmp_path, monkeypatch):
+    """Each version and each folder leaves some forty megabytes behind."""
+    kept = Path(_kernels_fit.reduced._cache.cache_path).parent.name
+    folders = [kept, "kernels_fit-0123456789abcdef", "kernels-notes", "else-0123456789abcdef"]
+    for name in folders:
+        (tmp_path / name / "inner").mkdir(parents=True)
+    monkeypatch.setattr("geoprim_core.warm.cache_base", lambda: tmp_path)
+    assert remove_other_kernels() == 1
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(folders[:1] + folders[2:])
 
 
 LATER = """
