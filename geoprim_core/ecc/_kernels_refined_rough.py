@@ -1,7 +1,4 @@
-"""Kernels of the `refined` scheme: rough outlines, which are ellipses but for a few per cent.
-
-They look at every few points of long contours only: what deviates by pixels needs no more.
-"""
+"""Kernels of the `refined` scheme: rough outlines, which are ellipses but for a few per cent."""
 
 from __future__ import annotations
 
@@ -11,8 +8,7 @@ import numpy as np
 
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc._kernels_refined_arcs import describe_arcs
-from geoprim_core.ecc._kernels_refined_few import sees
+from geoprim_core.ecc._kernels_refined_few import Int8Array, sees
 from geoprim_core.ecc._kernels_refined_fit import (
     add_shifted,
     fit_moments,
@@ -20,28 +16,31 @@ from geoprim_core.ecc._kernels_refined_fit import (
     offset_of,
 )
 from geoprim_core.ecc._kernels_refined_refit import refit
-from geoprim_core.ecc._kernels_refined_split import split_contours
+from geoprim_core.ecc._kernels_refined_rough_parts import (
+    INWARD_X,
+    INWARD_Y,
+    STRIDE,
+    X,
+    Y,
+    parts_of_runs,
+)
 
-STRIDE = 3  # every such point of a contour is looked at
-TOLERANCE = 2.0  # pixels, of the polygon that finds turns and inflexions of rough contours
-MAX_TURN = math.radians(60.0)  # sharpest turn inside a part
-LEAST_HEIGHT = 0.03  # of a part over its chord, in its length: others are straight
 ALONG = math.cos(math.radians(30.0))  # between gradient and normal
 LEAST_SHARE = 0.16  # of an outline that one part or two make up
 SLACK = (2.0, 0.06)  # pixels, and share of the length of two parts, of their search regions
 OWN_REACH, OWN_NEAR = 0.06, 0.7  # axes from two parts to their ellipse; share within
 LEAST_AXIS = 30.0  # pixels: in a smaller one deviations are those of any edge
 LEAST_RATIO = 0.5  # of the axes: thinner are leaves, eyes and the like
-MOST_TRIES = 64  # ellipses that are grown
+MOST_TRIES = 48  # ellipses that are grown
 ROUNDS = 4  # of growing; the reach falls from twice its value
+COARSE = 4  # every such sample tells enough at first
 LEAST_GROWN = np.array([0.3, 0.4, 0.5, 0.5])  # supported share of the outline after each
+MOST_ELSEWHERE = 0.5  # samples of its parts that are no support, per supporting one
 LEAST_COVERED = 0.6  # share of the outline and of its turn
+WELL_COVERED = 0.7  # that share, from which other ellipses of the same parts are not better
 BELONGS = 0.7  # share of a part that makes it one of an ellipse
-SAME = 0.95  # overlap of one ellipse found twice
 BINS = 48  # of the turn
 
-# Rows of a sample: position and inner normal.
-X, Y, INWARD_X, INWARD_Y = range(4)
 # Rows of what is known of a supporting sample: distance, normal in the frame of the axes.
 AWAY, NORMAL_U, NORMAL_V = range(3)
 # Figures of a rough ellipse: covered share of the turn and of the outline, scatter in semi-minor
@@ -49,84 +48,29 @@ AWAY, NORMAL_U, NORMAL_V = range(3)
 TURN, LENGTH, SCATTER, WIDEST, ELSEWHERE, POLARITY, FIGURES = range(7)
 
 
-@kernel
-def long_runs(
-    offsets: IntArray, closed: BoolArray, claimed: BoolArray, least: int
-) -> tuple[IntArray, BoolArray]:
-    """Return first point and end (R, 2) of what nothing claims of contours, and what are rings."""
-    count = 0
-    total = offsets[-1]
-    runs = np.empty((total // max(1, least) + 1, 2), np.int64)
-    rings = np.zeros(len(runs), np.bool_)
-    for c in range(len(offsets) - 1):
-        low, high = offsets[c], offsets[c + 1]
-        if high - low < least:
-            continue
-        start = low
-        for k in range(low, high + 1):
-            if k == high or claimed[k]:
-                if k - start >= least:
-                    runs[count, 0], runs[count, 1] = start, k
-                    rings[count] = closed[c] and k - start == high - low
-                    count += 1
-                start = k + 1
-    return runs[:count].copy(), rings[:count].copy()
+@inner_kernel
+def parts_near(columns: FloatArray, i: int, marks: Int8Array) -> None:
+    """Mark the parts from part i on that are of its polarity and near enough for their lengths.
 
-
-@kernel
-def sample_runs(runs: IntArray) -> tuple[IntArray, IntArray]:
-    """Return every third point of each run, the first such that the ends are as far, offsets."""
-    offsets = np.zeros(len(runs) + 1, np.int64)
-    for r in range(len(runs)):
-        offsets[r + 1] = offsets[r] + (runs[r, 1] - runs[r, 0] + STRIDE - 1) // STRIDE
-    taken = np.empty(offsets[-1], np.int64)
-    for r in range(len(runs)):
-        first = runs[r, 0] + (runs[r, 1] - runs[r, 0] - 1) % STRIDE // 2
-        for k in range(offsets[r + 1] - offsets[r]):
-            taken[offsets[r] + k] = first + STRIDE * k
-    return taken, offsets
-
-
-@kernel
-def bent_parts(table: FloatArray, most: int) -> IntArray:
-    """Return the parts that are not straight, the `most` longest, longest first."""
-    bent = np.flatnonzero(table[:, 17] > LEAST_HEIGHT * STRIDE * table[:, 18])
-    return bent[np.argsort(-table[bent, 18], kind="mergesort")][:most]
-
-
-@kernel
-def gather_parts(
-    points: FloatArray, normals: FloatArray, order: IntArray, ends: IntArray, table: FloatArray,
-    kept: IntArray,
-) -> tuple[FloatArray, IntArray]:  # fmt: skip
-    """Return the samples (4, S) of parts with the normals turned inwards, and offsets."""
-    starts = np.zeros(len(kept) + 1, np.int64)
-    for k in range(len(kept)):
-        starts[k + 1] = starts[k] + ends[kept[k] + 1] - ends[kept[k]]
-    samples = np.empty((4, starts[-1]))
-    for k in range(len(kept)):
-        inward = table[kept[k], 16]
-        for m in range(starts[k + 1] - starts[k]):
-            p, at = order[ends[kept[k]] + m], starts[k] + m
-            samples[X, at], samples[Y, at] = points[p, 0], points[p, 1]
-            samples[INWARD_X, at] = inward * normals[p, 0]
-            samples[INWARD_Y, at] = inward * normals[p, 1]
-    return samples, starts
+    `columns` holds the table of parts, a row a figure. No branches: vector instructions.
+    """
+    x, y, size, polarity = columns[0, i], columns[1, i], columns[18, i], columns[16, i]
+    xs, ys, sizes, polarities = columns[0], columns[1], columns[18], columns[16]
+    for j in range(i, len(marks)):
+        dx, dy = x - xs[j], y - ys[j]
+        near = STRIDE / (math.pi * LEAST_SHARE) * (size + sizes[j])
+        marks[j] = (dx * dx + dy * dy <= near * near) & (polarity == polarities[j])
 
 
 @inner_kernel
 def fit_parts(
     table: FloatArray, moments: FloatArray, i: int, j: int, work: FloatArray, ellipse: FloatArray
 ) -> bool:
-    """Fit an ellipse to one part (i = j) or two of one polarity; False if they make up none."""
+    """Fit an ellipse to one part (i = j) or two that see each other; False if they make up none."""
     length = STRIDE * table[i, 18]
     if j != i:
         length += STRIDE * table[j, 18]
         slack = SLACK[0] + SLACK[1] * length / STRIDE
-        dx, dy = table[i, 0] - table[j, 0], table[i, 1] - table[j, 1]
-        near = length / (math.pi * LEAST_SHARE)
-        if table[i, 16] != table[j, 16] or dx * dx + dy * dy > near * near:
-            return False
         if not (sees(table[i], table[j], slack) and sees(table[j], table[i], slack)):
             return False
     scale = 1.0 / max(table[i, 19], table[j, 19])
@@ -165,36 +109,38 @@ def near_share(samples: FloatArray, low: int, high: int, ellipse: FloatArray) ->
 @inner_kernel
 def collect_rough(
     samples: FloatArray, starts: IntArray, table: FloatArray, polarity: float, ellipse: FloatArray,
-    reach: float, near: FloatArray, about: FloatArray, tally: IntArray,
+    reach: float, every: int, near: FloatArray, about: FloatArray, tally: IntArray,
+    picked: IntArray,
 ) -> int:  # fmt: skip
-    """Gather the samples of one polarity within `reach` of an ellipse and along its normals.
+    """Gather samples of one polarity within `reach` of an ellipse and along its normals.
 
-    Writes their positions to `near`, what is known of them to `about`, and how many each part
-    gives to `tally`; returns their number.
+    Of every so many samples one is looked at. Writes their positions to `near`, what is known of
+    them to `about`, and how many each part gives to `tally`; returns their number.
     """
-    cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
+    x0, y0, cos, sin = ellipse[0], ellipse[1], math.cos(ellipse[4]), math.sin(ellipse[4])
     flat, steep = 1.0 / (ellipse[2] * ellipse[2]), 1.0 / (ellipse[3] * ellipse[3])
     beyond = 2.0 * reach / ellipse[3] * (1.0 + 2.0 * reach / ellipse[3])  # of what follows
+    xs, ys, inward_x, inward_y = samples[X], samples[Y], samples[INWARD_X], samples[INWARD_Y]
     count = 0
     for part in range(len(starts) - 1):
+        tally[part] = 0
+        dx, dy, radius = table[part, 0] - x0, table[part, 1] - y0, table[part, 19]
+        far = math.sqrt(dx * dx + dy * dy)
+        inside = far + radius < ellipse[3] - reach
+        if table[part, 16] != polarity or inside or far - radius > ellipse[2] + reach:
+            continue
+        size = 0
+        for k in range(starts[part], starts[part + 1], every):  # no branches: most are far
+            dx, dy = xs[k] - x0, ys[k] - y0
+            u, v = dx * cos + dy * sin, dy * cos - dx * sin
+            picked[np.uint64(size)] = k
+            size += abs(u * u * flat + v * v * steep - 1.0) <= beyond
         before = count
-        far = math.hypot(table[part, 0] - ellipse[0], table[part, 1] - ellipse[1])
-        inside = far + table[part, 19] < ellipse[3] - reach
-        if (
-            table[part, 16] == polarity
-            and far - table[part, 19] < ellipse[2] + reach
-            and not inside
-        ):
-            for k in range(starts[part], starts[part + 1]):
-                dx, dy = samples[X, k] - ellipse[0], samples[Y, k] - ellipse[1]
-                u, v = dx * cos + dy * sin, dy * cos - dx * sin
-                if abs(u * u * flat + v * v * steep - 1.0) > beyond:
-                    continue
-                d, nx, ny = offset_at(dx, dy, cos, sin, flat, steep)
-                cosine = -(nx * samples[INWARD_X, k] + ny * samples[INWARD_Y, k])
-                if abs(d) > reach or cosine < ALONG:
-                    continue
-                near[0, count], near[1, count] = samples[X, k], samples[Y, k]
+        for m in range(size):
+            k = picked[m]
+            d, nx, ny = offset_at(xs[k] - x0, ys[k] - y0, cos, sin, flat, steep)
+            if abs(d) <= reach and -(nx * inward_x[k] + ny * inward_y[k]) >= ALONG:
+                near[0, count], near[1, count] = xs[k], ys[k]
                 about[AWAY, count] = d
                 about[NORMAL_U, count] = nx * cos + ny * sin
                 about[NORMAL_V, count] = ny * cos - nx * sin
@@ -204,25 +150,58 @@ def collect_rough(
 
 
 @inner_kernel
+def elsewhere(starts: IntArray, tally: IntArray, every: int) -> int:
+    """Return how many of every so many samples of parts that support an ellipse do not."""
+    count = 0
+    for part in range(len(tally)):
+        size = (starts[part + 1] - starts[part] + every - 1) // every
+        count += size - tally[part] if tally[part] > 0 else 0
+    return count
+
+
+@inner_kernel
 def grow(
     samples: FloatArray, starts: IntArray, table: FloatArray, polarity: float, longest: float,
     reach: float, ellipse: FloatArray, near: FloatArray, about: FloatArray, tally: IntArray,
+    picked: IntArray,
 ) -> int:  # fmt: skip
     """Refit an ellipse in place to what lies ever nearer to it; return how many do, 0 for none."""
     for step in range(ROUNDS):
         if not is_fair(ellipse, longest):
             return 0
+        every = COARSE if step < ROUNDS // 2 else 1
         within = reach * ellipse[3] * (2.0 - step / (ROUNDS - 1.0))
         count = collect_rough(
-            samples, starts, table, polarity, ellipse, within, near, about, tally
+            samples, starts, table, polarity, ellipse, within, every, near, about, tally,
+            picked
         )  # fmt: skip
-        if STRIDE * count < LEAST_GROWN[step] * math.pi * (ellipse[2] + ellipse[3]):
+        if STRIDE * every * count < LEAST_GROWN[step] * math.pi * (ellipse[2] + ellipse[3]):
+            return 0
+        if step > 0 and elsewhere(starts, tally, every) > MOST_ELSEWHERE * count:
             return 0
         if step == ROUNDS - 1:
             return count
         if not refit(near, count, ellipse, 2, 1.5 * within):
             return 0
     return 0
+
+
+@inner_kernel
+def turn_of(x: float, y: float) -> float:
+    """Return the direction of (x, y) in turns, 0 to 1, within 1e-5.
+
+    References
+    ----------
+    Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
+    """
+    most, least = max(abs(x), abs(y)), min(abs(x), abs(y))
+    ratio = least / (most + 1e-300)
+    s = ratio * ratio
+    turn = 0.180141 + s * (-0.085133 + s * 0.0208351)
+    turn = ratio * (0.999866 + s * (-0.3302995 + s * turn)) / (2.0 * math.pi)
+    turn = 0.25 - turn if abs(y) > abs(x) else turn
+    turn = 0.5 - turn if x < 0.0 else turn
+    return 1.0 - turn if y < 0.0 else turn
 
 
 @inner_kernel
@@ -235,8 +214,8 @@ def measure_rough(
     squares = 0.0
     for k in range(count):
         nu, nv = about[NORMAL_U, k], about[NORMAL_V, k]
-        turn = math.atan2(nv, nu) / (2.0 * math.pi) + 0.5
-        along = math.atan2(ellipse[3] * nv, ellipse[2] * nu) / (2.0 * math.pi) + 0.5
+        turn = turn_of(nu, nv)
+        along = turn_of(ellipse[2] * nu, ellipse[3] * nv)
         bins[0, int(turn * BINS) % BINS] += 1
         bins[1, int(along * BINS) % BINS] += 1
         squares += about[AWAY, k] * about[AWAY, k]
@@ -246,13 +225,9 @@ def measure_rough(
         widest = max(widest, min(gap, BINS))
         turned += (k < BINS) & (bins[0, k % BINS] > 0)
         covered += (k < BINS) & (bins[1, k % BINS] > 0)
-    elsewhere = 0
-    for part in range(len(tally)):
-        if tally[part] > 0:
-            elsewhere += starts[part + 1] - starts[part] - tally[part]
     row[TURN], row[LENGTH], row[WIDEST] = turned / BINS, covered / BINS, widest / BINS
     row[SCATTER] = math.sqrt(squares / count) / ellipse[3]
-    row[ELSEWHERE] = elsewhere / count
+    row[ELSEWHERE] = elsewhere(starts, tally, 1) / count
 
 
 @inner_kernel
@@ -275,11 +250,14 @@ def grow_pairs(
     near, about = np.empty((3, size)), np.empty((3, size))
     tally, bins = np.zeros(count, np.int64), np.zeros((2, BINS), np.int64)
     known = np.zeros((count, count), np.bool_)
+    picked = np.empty(size + 1, np.int64)
+    columns, marks = table.T.copy(), np.empty(count, np.int8)
     work, ellipse = np.empty(25), np.empty(5)
     found = tried = 0
     for i in range(count):
+        parts_near(columns, i, marks)
         for j in range(i, count):
-            if known[i, j] or tried == MOST_TRIES:
+            if not marks[j] or known[i, j] or tried == MOST_TRIES:
                 continue
             if not (fit_parts(table, moments, i, j, work, ellipse) and is_fair(ellipse, longest)):
                 continue
@@ -291,14 +269,26 @@ def grow_pairs(
                 continue
             tried += 1
             used = grow(
-                samples, starts, table, table[i, 16], longest, reach, ellipse, near, about, tally
+                samples,
+                starts,
+                table,
+                table[i, 16],
+                longest,
+                reach,
+                ellipse,
+                near,
+                about,
+                tally,
+                picked,
             )
             if used == 0:
                 continue
-            note_parts(starts, tally, known)
             measure_rough(starts, ellipse, about, used, tally, bins, figures[found])
             figures[found, POLARITY] = table[i, 16]
-            if min(figures[found, TURN], figures[found, LENGTH]) < LEAST_COVERED:
+            covered = min(figures[found, TURN], figures[found, LENGTH])
+            if covered >= WELL_COVERED:
+                note_parts(starts, tally, known)
+            if covered < LEAST_COVERED:
                 continue
             ellipses[found] = ellipse
             found += 1
@@ -311,13 +301,5 @@ def rough_ellipses(
     most: int, reach: float, longest: float,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """Return the rough ellipses (n, 5) of runs of points, and their figures."""
-    taken, offsets = sample_runs(runs)
-    xy, across = np.empty((len(taken), 2)), np.empty((len(taken), 2))
-    for k in range(len(taken)):
-        xy[k, 0], xy[k, 1] = points[taken[k], 0], points[taken[k], 1]
-        across[k, 0], across[k, 1] = normals[taken[k], 0], normals[taken[k], 1]
-    order, ends, _ = split_contours(xy, offsets, rings, TOLERANCE, MAX_TURN, least // STRIDE)
-    table, moments = describe_arcs(xy, across, order, ends)
-    kept = bent_parts(table, most)
-    samples, starts = gather_parts(xy, across, order, ends, table, kept)
-    return grow_pairs(samples, starts, table[kept], moments[kept], reach, longest)
+    samples, starts, table, moments = parts_of_runs(points, normals, runs, rings, least, most)
+    return grow_pairs(samples, starts, table, moments, reach, longest)

@@ -19,7 +19,7 @@ from geoprim_core.ecc._kernels_refined_rough import (
     WIDEST,
 )
 from geoprim_core.ecc._kernels_refined_select import CHOSEN, CLAIMED, TWIN, WEAK
-from geoprim_core.fitting._kernels_overlap import overlap_of
+from geoprim_core.fitting._kernels_overlap import overlap_bound, overlap_of
 
 SCATTER_WEIGHT = 8.0  # a scatter of 0.01 semi-minor axes tells as much as a gap of 0.08
 
@@ -42,7 +42,7 @@ def rough_evidence(figures: FloatArray) -> FloatArray:
 def overlaps_one(ellipse: FloatArray, others: FloatArray, most: float) -> bool:
     """Tell whether an ellipse overlaps any of the others by more than `most`."""
     for m in range(len(others)):
-        if overlap_of(ellipse, others[m]) > most:
+        if overlap_bound(ellipse, others[m]) > most and overlap_of(ellipse, others[m]) > most:
             return True
     return False
 
@@ -89,6 +89,10 @@ def choose_rough(
     for k in np.argsort(-evidence, kind="mergesort"):
         if evidence[k] < least_evidence or figures[k, SCATTER] > max_scatter:
             continue
+        same = overlaps_one(ellipses[k], others, most)
+        if same or overlaps_one(ellipses[k], ellipses[chosen[:found]], most):
+            outcome[k] = TWIN
+            continue
         size, squares = points_along(
             points, normals, runs, ellipses[k], reach * ellipses[k, 3], figures[k, POLARITY], along
         )
@@ -99,10 +103,6 @@ def choose_rough(
                 free += 1
         if free < min_unclaimed * size or free == 0:
             outcome[k] = CLAIMED
-            continue
-        same = overlaps_one(ellipses[k], others, most)
-        if same or overlaps_one(ellipses[k], ellipses[chosen[:found]], most):
-            outcome[k] = TWIN
             continue
         outcome[k], rms[k] = CHOSEN, math.sqrt(squares / size)
         chosen[found] = k

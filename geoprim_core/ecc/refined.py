@@ -289,6 +289,7 @@ def refit_chosen(
         params.min_semi_minor,
         max(edges.spread, edges.line_spread) if params.undo_blur else 0.0,
         _final.GAP + (_final.NOISE_GAP - _final.GAP) * noise,
+        int(np.count_nonzero(verified.source >= 0)),
     )
     x, y, semi_major, semi_minor, angle = rows
     coverage, alignment, continuity = saliency

@@ -10,6 +10,7 @@ import numpy as np
 from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core.ecc import _kernels_refined_rough as _rough
 from geoprim_core.ecc import _kernels_refined_rough_choice as _choice
+from geoprim_core.ecc import _kernels_refined_rough_parts as _parts
 from geoprim_core.ecc.refined_arcs import EdgePoints
 from geoprim_core.ecc.refined_candidates import Verified
 from geoprim_core.ecc.refined_params import RefinedParams
@@ -92,7 +93,7 @@ def find_rough_outlines(
     """
     if not (params.rough_scatter > 0.0 and edges.signed):
         return NONE
-    runs, rings = _rough.long_runs(contours.offsets, contours.closed, claimed, params.min_rough)
+    runs, rings = _parts.long_runs(contours.offsets, contours.closed, claimed, params.min_rough)
     if len(runs) == 0:
         return NONE
     ellipses, figures = _rough.rough_ellipses(
@@ -134,7 +135,7 @@ def _as_verified(
 ) -> FloatArray:
     """Return the figures of rough ellipses in the columns and on the scale of `Verified`."""
     rows = np.zeros((len(ellipses), 8))
-    rows[:, 0] = [SCORE_MAP.evidence_of(p) for p in ROUGH_MAP.probability(evidence).tolist()]
+    rows[:, 0] = SCORE_MAP.evidence_at(ROUGH_MAP.log_odds_of(evidence))
     rows[:, 1], rows[:, 2] = figures[:, _rough.LENGTH], figures[:, _rough.TURN]
     rows[:, 3], rows[:, 4] = rms, figures[:, _rough.ELSEWHERE]
     rows[:, 5] = math.pi * (ellipses[:, 2] + ellipses[:, 3]) * figures[:, _rough.LENGTH]
