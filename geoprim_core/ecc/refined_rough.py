@@ -11,6 +11,7 @@ from geoprim_core._check import BoolArray, FloatArray, IntArray
 from geoprim_core.ecc import _kernels_refined_rough as _rough
 from geoprim_core.ecc import _kernels_refined_rough_choice as _choice
 from geoprim_core.ecc import _kernels_refined_rough_parts as _parts
+from geoprim_core.ecc._kernels_refined_select import CHOSEN
 from geoprim_core.ecc.refined_arcs import EdgePoints
 from geoprim_core.ecc.refined_candidates import Verified
 from geoprim_core.ecc.refined_params import RefinedParams
@@ -59,7 +60,7 @@ class RoughOutlines:
     @property
     def reported(self) -> int:
         """How many are reported."""
-        return int(np.count_nonzero(self.outcome == _choice.CHOSEN))
+        return int(np.count_nonzero(self.outcome == CHOSEN))
 
 
 NONE = RoughOutlines(
@@ -124,7 +125,7 @@ def find_rough_outlines(
         params.min_unclaimed,
         params.max_overlap,
     )
-    first = np.concatenate((chosen, np.flatnonzero(outcome != _choice.CHOSEN)))
+    first = np.concatenate((chosen, np.flatnonzero(outcome != CHOSEN)))
     ends = np.concatenate((offsets, np.full(len(first) - len(chosen), offsets[-1])))
     rows = _as_verified(ellipses, figures, evidence, rms)
     return RoughOutlines(ellipses[first], rows[first], outcome[first], ends, support)
