@@ -11,10 +11,23 @@ from geoprim_core.errors import InputError
 
 
 def _detection() -> None:
-    """Extract edges and detect by the default scheme."""
+    """Extract edges and detect by the default scheme, a rough outline too."""
+    import numpy as np
+
     from geoprim_core.ecc import detect_ellipses
+    from geoprim_core.ecc.refined_arcs import gather_edges
+    from geoprim_core.ecc.refined_params import RefinedParams
+    from geoprim_core.ecc.refined_rough import find_rough_outlines
+    from geoprim_core.edges import extract_contours
+    from geoprim_core.synthetic import disc_image
 
     detect_ellipses(_scene())
+    contours = extract_contours(disc_image(120, 120, centre=(60.0, 60.0), radius=45.0))
+    params = RefinedParams()
+    unclaimed = np.zeros(len(contours.points), np.bool_)
+    find_rough_outlines(
+        gather_edges(contours, params), contours, unclaimed, np.empty((0, 5)), params
+    )
 
 
 def _schemes() -> None:

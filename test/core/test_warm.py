@@ -1,5 +1,8 @@
 """Compiling ahead of time: every part, in this process or in others."""
 
+import subprocess
+import sys
+
 import pytest
 
 from geoprim_core.errors import InputError
@@ -20,3 +23,15 @@ def test_unknown_parts_and_no_process_are_refused():
         warm_kernels(["tangent"])
     with pytest.raises(InputError, match="processes: expected at least 1, got 0"):
         warm_kernels(processes=0)
+
+
+def test_what_a_plain_scene_lacks_is_compiled_too():
+    """Rough outlines are rare: the first one must not wait for a compiler either."""
+    script = """
+from geoprim_core.ecc import _kernels_refined_rough_choice as choice
+from geoprim_core.warm import warm_kernels
+
+warm_kernels(["detection"])
+assert choice.choose_rough.signatures and choice.rough_evidence.signatures
+"""
+    subprocess.run([sys.executable, "-c", script], check=True)
