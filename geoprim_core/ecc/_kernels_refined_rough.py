@@ -31,7 +31,7 @@ SLACK = (2.0, 0.06)  # pixels, and share of the length of two parts, of their se
 OWN_REACH, OWN_NEAR = 0.06, 0.7  # axes from two parts to their ellipse; share within
 LEAST_AXIS = 30.0  # pixels: in a smaller one deviations are those of any edge
 LEAST_RATIO = 0.5  # of the axes: thinner are leaves, eyes and the like
-MOST_TRIES = 48  # ellipses that are grown
+MOST_TRIES = 48  # ellipses that are grown, those of the longest parts first
 ROUNDS = 4  # of growing; the reach falls from twice its value
 COARSE = 4  # every such sample tells enough at first
 LEAST_GROWN = np.array([0.3, 0.4, 0.5, 0.5])  # supported share of the outline after each
@@ -172,8 +172,7 @@ def grow(
         every = COARSE if step < ROUNDS // 2 else 1
         within = reach * ellipse[3] * (2.0 - step / (ROUNDS - 1.0))
         count = collect_rough(
-            samples, starts, table, polarity, ellipse, within, every, near, about, tally,
-            picked
+            samples, starts, table, polarity, ellipse, within, every, near, about, tally, picked,
         )  # fmt: skip
         if STRIDE * every * count < LEAST_GROWN[step] * math.pi * (ellipse[2] + ellipse[3]):
             return 0
@@ -269,18 +268,9 @@ def grow_pairs(
                 continue
             tried += 1
             used = grow(
-                samples,
-                starts,
-                table,
-                table[i, 16],
-                longest,
-                reach,
-                ellipse,
-                near,
-                about,
-                tally,
+                samples, starts, table, table[i, 16], longest, reach, ellipse, near, about, tally,
                 picked,
-            )
+            )  # fmt: skip
             if used == 0:
                 continue
             measure_rough(starts, ellipse, about, used, tally, bins, figures[found])
@@ -288,10 +278,8 @@ def grow_pairs(
             covered = min(figures[found, TURN], figures[found, LENGTH])
             if covered >= WELL_COVERED:
                 note_parts(starts, tally, known)
-            if covered < LEAST_COVERED:
-                continue
             ellipses[found] = ellipse
-            found += 1
+            found += covered >= LEAST_COVERED
     return ellipses[:found], figures[:found]
 
 

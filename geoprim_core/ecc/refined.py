@@ -268,7 +268,8 @@ def refit_chosen(
     covariance follows from the scatter of the distances at low frequencies along the outline and
     the doubt about a blur of the picture itself. It holds to first order for x, y, the mean of the
     semi-axes and half their difference times the cosine and the sine of twice the angle; of a
-    circle the axes are told apart by chance, and its angle is unknown.
+    circle the axes are told apart by chance, and its angle is unknown. Of a rough outline it is
+    the shape that scatters, in few waves along it.
     `geoprim_core.evaluation.coverage` measures how often it holds.
 
     References
