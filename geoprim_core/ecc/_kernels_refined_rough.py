@@ -24,6 +24,7 @@ from geoprim_core.ecc._kernels_refined_rough_parts import (
     Y,
     parts_of_runs,
 )
+from geoprim_core.fitting._kernels_overlap import overlap_bound, overlap_of
 
 ALONG = math.cos(math.radians(30.0))  # between gradient and normal
 LEAST_SHARE = 0.16  # of an outline that one part or two make up
@@ -39,6 +40,7 @@ MOST_ELSEWHERE = 0.5  # samples of its parts that are no support, per supporting
 LEAST_COVERED = 0.6  # share of the outline and of its turn
 WELL_COVERED = 0.7  # that share, from which other ellipses of the same parts are not better
 BELONGS = 0.7  # share of a part that makes it one of an ellipse
+COPY = 0.85  # overlap from which an ellipse will end as a copy of a reported one
 BINS = 48  # of the turn
 
 # Rows of what is known of a supporting sample: distance, normal in the frame of the axes.
@@ -160,16 +162,30 @@ def elsewhere(starts: IntArray, tally: IntArray, every: int) -> int:
 
 
 @inner_kernel
+def overlaps_one(ellipse: FloatArray, others: FloatArray, most: float) -> bool:
+    """Tell whether an ellipse overlaps any of the others by more than `most`."""
+    for m in range(len(others)):
+        if overlap_bound(ellipse, others[m]) > most and overlap_of(ellipse, others[m]) > most:
+            return True
+    return False
+
+
+@inner_kernel
 def grow(
     samples: FloatArray, starts: IntArray, table: FloatArray, polarity: float, longest: float,
-    reach: float, ellipse: FloatArray, near: FloatArray, about: FloatArray, tally: IntArray,
-    picked: IntArray,
+    reach: float, others: FloatArray, ellipse: FloatArray, near: FloatArray, about: FloatArray,
+    tally: IntArray, picked: IntArray,
 ) -> int:  # fmt: skip
-    """Refit an ellipse in place to what lies ever nearer to it; return how many do, 0 for none."""
+    """Refit an ellipse in place to what lies ever nearer to it; return how many do, 0 for none.
+
+    None, too, where it becomes a copy of one of the `others`.
+    """
     for step in range(ROUNDS):
         if not is_fair(ellipse, longest):
             return 0
         every = COARSE if step < ROUNDS // 2 else 1
+        if step == ROUNDS // 2 and overlaps_one(ellipse, others, COPY):
+            return 0
         within = reach * ellipse[3] * (2.0 - step / (ROUNDS - 1.0))
         count = collect_rough(
             samples, starts, table, polarity, ellipse, within, every, near, about, tally, picked,
@@ -241,7 +257,7 @@ def note_parts(starts: IntArray, tally: IntArray, known: BoolArray) -> None:
 @kernel
 def grow_pairs(
     samples: FloatArray, starts: IntArray, table: FloatArray, moments: FloatArray, reach: float,
-    longest: float,
+    longest: float, others: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """Return ellipses (n, 5) grown from parts and pairs of them, and their figures."""
     size, count = samples.shape[1], len(table)
@@ -268,8 +284,8 @@ def grow_pairs(
                 continue
             tried += 1
             used = grow(
-                samples, starts, table, table[i, 16], longest, reach, ellipse, near, about, tally,
-                picked,
+                samples, starts, table, table[i, 16], longest, reach, others, ellipse, near, about,
+                tally, picked,
             )  # fmt: skip
             if used == 0:
                 continue
@@ -286,8 +302,11 @@ def grow_pairs(
 @kernel
 def rough_ellipses(
     points: FloatArray, normals: FloatArray, runs: IntArray, rings: BoolArray, least: int,
-    most: int, reach: float, longest: float,
+    most: int, reach: float, longest: float, others: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return the rough ellipses (n, 5) of runs of points, and their figures."""
+    """Return the rough ellipses (n, 5) of runs of points, and their figures.
+
+    None is a copy of one of the `others`.
+    """
     samples, starts, table, moments = parts_of_runs(points, normals, runs, rings, least, most)
-    return grow_pairs(samples, starts, table, moments, reach, longest)
+    return grow_pairs(samples, starts, table, moments, reach, longest, others)

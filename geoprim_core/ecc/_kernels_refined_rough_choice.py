@@ -17,9 +17,9 @@ from geoprim_core.ecc._kernels_refined_rough import (
     SCATTER,
     TURN,
     WIDEST,
+    overlaps_one,
 )
 from geoprim_core.ecc._kernels_refined_select import CHOSEN, CLAIMED, TWIN, WEAK
-from geoprim_core.fitting._kernels_overlap import overlap_bound, overlap_of
 
 SCATTER_WEIGHT = 8.0  # a scatter of 0.01 semi-minor axes tells as much as a gap of 0.08
 
@@ -36,15 +36,6 @@ def rough_evidence(figures: FloatArray) -> FloatArray:
         evidence[k] = min(row[TURN], row[LENGTH]) - row[WIDEST] - row[ELSEWHERE]
         evidence[k] -= SCATTER_WEIGHT * row[SCATTER]
     return evidence
-
-
-@inner_kernel
-def overlaps_one(ellipse: FloatArray, others: FloatArray, most: float) -> bool:
-    """Tell whether an ellipse overlaps any of the others by more than `most`."""
-    for m in range(len(others)):
-        if overlap_bound(ellipse, others[m]) > most and overlap_of(ellipse, others[m]) > most:
-            return True
-    return False
 
 
 @inner_kernel

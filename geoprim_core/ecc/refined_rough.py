@@ -106,6 +106,7 @@ def find_rough_outlines(
         params.max_rough_parts,
         REACH,
         LARGEST * edges.diagonal,
+        reported,
     )
     if len(ellipses) == 0:
         return NONE
