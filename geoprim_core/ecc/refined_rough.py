@@ -24,7 +24,8 @@ LARGEST = 0.5
 """Largest semi-major axis of a rough ellipse in image diagonals."""
 
 # Fitted to what was right of 67 ellipses in photographs and of 186 on rendered blobs, each kind
-# counted as a half; in the tails the photographs alone.
+# counted as a half; the first knot, below what is reported, lies between that fit and the one to
+# the photographs alone.
 ROUGH_MAP = ScoreMap(np.array([0.15, 0.45, 0.8]), np.array([-1.2, 1.4, 2.0]))
 """Log odds that a rough ellipse is right by the share of its outline that it explains."""
 
