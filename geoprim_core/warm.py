@@ -81,13 +81,14 @@ PARTS: dict[str, Callable[[], None]] = {
 def warm_scenes() -> list[AnyArray]:
     """Return small pictures that between them bring every kernel of the detector to run.
 
-    A disc, the same in noise, and a drawn circle: noisy pictures and line drawings have kernels of
-    their own, for which a node would stop some seconds when the first such picture comes.
+    A disc, the same in noise, a drawn circle, and a disc with three dents: noisy pictures, line
+    drawings and rough outlines have kernels of their own, for which a node would stop some seconds
+    when the first such picture comes.
 
     Examples
     --------
     >>> [image.shape for image in warm_scenes()]
-    [(80, 96), (80, 96), (80, 96)]
+    [(80, 96), (80, 96), (80, 96), (240, 240)]
     """
     from geoprim_core.synthetic import disc_image
 
@@ -95,7 +96,10 @@ def warm_scenes() -> list[AnyArray]:
     noise = np.random.default_rng(0).normal(0.0, 30.0, disc.shape)
     noisy = np.clip(disc + noise, 0, 255).astype(np.uint8)
     hole = disc_image(96, 80, centre=(48.0, 40.0), radius=23.0, inside=180, outside=0)
-    return [disc, noisy, disc - hole]
+    y, x = np.mgrid[-120.0:120.0, -120.0:120.0]
+    outside = np.hypot(x, y) - 90.0 * (1.0 + 0.028 * np.cos(3.0 * np.arctan2(y, x)))
+    dented = (200.0 - 110.0 * np.clip(0.5 - outside, 0.0, 1.0)).astype(np.uint8)
+    return [disc, noisy, disc - hole, dented]
 
 
 def remove_other_kernels() -> int:

@@ -245,6 +245,11 @@ DEPARTURES = (
         "two crossing ellipses of nearly one place and size are two things, a rim's edges one",
     ),
     Departure(
+        "rough outlines on long contours",
+        {"ecc.refined.rough_scatter": 0.0},
+        "fruit, stones and dented lids deviate from an ellipse by pixels, evenly and all along",
+    ),
+    Departure(
         "blur's shrinkage undone",
         {"ecc.refined.undo_blur": False},
         "a blurred edge lies inside the curve by half its variance times the curvature",

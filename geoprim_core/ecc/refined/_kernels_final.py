@@ -8,7 +8,11 @@ import numpy as np
 
 from geoprim_core._check import FloatArray, IntArray
 from geoprim_core._jit import inner_kernel, kernel
-from geoprim_core.ecc.refined._kernels_covariance import covariance_of, radius_at
+from geoprim_core.ecc.refined._kernels_covariance import (
+    POINTS_PER_WAVE,
+    covariance_of,
+    radius_at,
+)
 from geoprim_core.ecc.refined._kernels_fit import offset_of
 from geoprim_core.ecc.refined._kernels_order import order_around
 from geoprim_core.ecc.refined._kernels_points import arcs_of_points
@@ -31,6 +35,7 @@ LEAST_POINTS = 10
 LEAST_WIDTH = 0.25  # pixels, of the weights of the last refit
 MOST_SHRINKAGE = 0.25  # deviations of the blur; beyond, it is as wide as the curve
 ROUNDS = 6  # of the last refit at most
+ROUGH_WAVES = 10.0  # half-waves along a rough outline that tell how it scatters
 SETTLED = 0.002  # pixels, by which a settled ellipse moves in a round
 ALIGNED = 2.0  # d_0 of thesis (5-11)
 
@@ -222,13 +227,15 @@ def finish(
     min_minor: float,
     spread: float,
     gap: float,
+    rough: int,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, bool]:
     """Return the selected ellipses (5, n) refitted, saliency criteria (3, n), covariances, scores.
 
     They stand by falling score. Last comes whether the checks of the detections would pass.
 
     `spread` is the variance of the blur that is undone, points beside gaps longer than `gap`
-    are left out.
+    are left out. From ellipse `rough` on the outlines are rough: what scatters there is their
+    shape, in a few long waves.
     """
     arc_of = arcs_of_points(order, ends, len(points))
     tally = np.zeros(len(ends), np.int64)
@@ -250,7 +257,8 @@ def finish(
         inner = moved[kept]
         width = refit_tightly(inner, ellipse, max_major, min_minor)
         rows[:, s] = ellipse
-        covariances[s] = covariance_of(inner, ellipse, width, smoothing)
+        alike = len(inner) / (POINTS_PER_WAVE * ROUGH_WAVES) if k >= rough else 0.0
+        covariances[s] = covariance_of(inner, ellipse, width, max(smoothing, alike))
         saliency[0, s], saliency[2, s] = gap_figures(parameter, ellipse)
         saliency[1, s] = alignment_of(points, order, ends, arc_of, chosen, ellipse, tally)
     score = score[best]

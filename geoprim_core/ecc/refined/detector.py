@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from geoprim_core._check import BoolArray, IntArray, describe
 from geoprim_core.ecc.refined import _kernels_final as _final
 from geoprim_core.ecc.refined import _kernels_select as _select
@@ -24,6 +26,7 @@ from geoprim_core.ecc.refined.candidates import (
     what_was_left_out,
 )
 from geoprim_core.ecc.refined.params import RefinedParams
+from geoprim_core.ecc.refined.rough import find_rough_outlines, with_rough
 from geoprim_core.ecc.refined.score import SCORE_MAP
 from geoprim_core.errors import InputError
 from geoprim_core.params import as_params
@@ -68,6 +71,7 @@ class RefinedTrace:
     arcs : SmoothArcs
     candidates : Candidates
     verified : Verified
+        The last ones may be those of rough outlines, of no candidate (source -1).
     selection : Selection
     detections : EllipseDetections
     """
@@ -146,6 +150,7 @@ def trace_refined(
     candidates = vote(edges, pair_arcs(edges, arcs, settings), settings)
     verified = cross_check(edges, verify(edges, arcs, candidates, settings), settings)
     verified, selection = accept(edges, arcs, verified, settings)
+    verified, selection = add_rough_outlines(edges, contours, verified, selection, settings)
     detections = refit_chosen(edges, arcs, verified, selection, contours.image_size, settings)
     left_out = what_was_left_out(candidates, verified, settings)
     if left_out:
@@ -220,6 +225,29 @@ def _choose(
     return Selection(chosen, outcome, claimed)
 
 
+def add_rough_outlines(
+    edges: EdgePoints,
+    contours: Contours,
+    verified: Verified,
+    selection: Selection,
+    params: RefinedParams,
+) -> tuple[Verified, Selection]:
+    """Add the ellipses of rough outlines on contours that nothing selected has claimed.
+
+    `find_rough_outlines` tells which these are.
+    """
+    known = verified.ellipses[selection.chosen]
+    rough = find_rough_outlines(edges, contours, selection.claimed, known, params)
+    if not len(rough):
+        return verified, selection
+    claimed = selection.claimed.copy()
+    claimed[rough.support] = True
+    last = np.arange(len(verified), len(verified) + rough.reported)
+    chosen = np.concatenate((selection.chosen, last))
+    outcome = np.concatenate((selection.outcome, rough.outcome))
+    return with_rough(verified, rough), Selection(chosen, outcome, claimed)
+
+
 def refit_chosen(
     edges: EdgePoints,
     arcs: SmoothArcs,
@@ -236,7 +264,8 @@ def refit_chosen(
     covariance follows from the scatter of the distances at low frequencies along the outline and
     the doubt about a blur of the picture itself. It holds to first order for x, y, the mean of the
     semi-axes and half their difference times the cosine and the sine of twice the angle; of a
-    circle the axes are told apart by chance, and its angle is unknown.
+    circle the axes are told apart by chance, and its angle is unknown. Of a rough outline it is
+    the shape that scatters, in few waves along it.
     `geoprim_core.evaluation.coverage` measures how often it holds.
 
     References
@@ -255,6 +284,7 @@ def refit_chosen(
         params.min_semi_minor,
         max(edges.spread, edges.line_spread) if params.undo_blur else 0.0,
         _final.GAP + (_final.NOISE_GAP - _final.GAP) * noise,
+        int(np.count_nonzero(verified.source >= 0)),
     )
     x, y, semi_major, semi_minor, angle = rows
     coverage, alignment, continuity = saliency

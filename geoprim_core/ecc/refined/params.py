@@ -258,6 +258,25 @@ class RefinedParams(Params):
         low=0.0,
         high=1.0,
     )
+    rough_scatter: float = option(
+        0.025,
+        "rough outlines: largest rms distance to an ellipse in semi-minor axes, 0 for none",
+        low=0.0,
+        high=0.05,
+    )
+    min_rough: int = option(
+        30,
+        "rough outlines: shortest stretch of a contour that is looked at",
+        unit="px",
+        low=15,
+        high=10000,
+    )
+    max_rough_parts: int = option(
+        64,
+        "rough outlines: as many parts of contours are looked at, longest first",
+        low=1,
+        high=1000,
+    )
     min_score: float = option(
         0.8, "acceptance: least probability of being right", low=0.0, high=1.0
     )

@@ -74,6 +74,10 @@ class ScoreMap:
         """Return the log odds (n,) for evidence (n,)."""
         return line_through(_row(evidence), self.evidence, self.log_odds, -np.inf, np.inf)
 
+    def evidence_at(self, log_odds: FloatArray) -> FloatArray:
+        """Return the evidence (n,) that has log odds (n,)."""
+        return line_through(_row(log_odds), self.log_odds, self.evidence, -np.inf, np.inf)
+
     def evidence_of(self, probability: float) -> float:
         """Return the evidence that has a probability, infinite at 0 and 1."""
         return _evidence_of(self, probability)
