@@ -232,8 +232,9 @@ def install_geoprim(environment: Environment) -> None:
     plain_path = (
         "editable_mode=compat"  # a .pth line: new modules are seen without installing again
     )
-    words = ("install", "-q", "--no-deps", "--no-build-isolation", "-C", plain_path, "-e", ROOT)
-    answer = environment.pip(*words)
+    words = ("install", "-q", "--no-deps", "--no-build-isolation")
+    # The short -C came with pip 23.1; Debian 12 has 23.0.
+    answer = environment.pip(*words, "--config-settings", plain_path, "-e", ROOT)
     if answer.returncode:
         raise SetupError(f"geoprim could not be installed: {last_line(answer.stderr)}")
 
