@@ -246,7 +246,7 @@ def warm_kernels(environment: Environment) -> None:
     with environment.stamped("kernels", made_from) as stale:
         if not stale:
             return
-        say("compiling the kernels (a minute or two)")
+        say("compiling the kernels (three minutes or more)")
         if environment.call([environment.python, "-m", "geoprim_core.cli.main", "warm"]):
             raise SetupError("the kernels could not be compiled; the reason stands above")
 
