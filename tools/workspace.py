@@ -232,8 +232,9 @@ def install_geoprim(environment: Environment) -> None:
     plain_path = (
         "editable_mode=compat"  # a .pth line: new modules are seen without installing again
     )
-    words = ("install", "-q", "--no-deps", "--no-build-isolation", "-C", plain_path, "-e", ROOT)
-    answer = environment.pip(*words)
+    words = ("install", "-q", "--no-deps", "--no-build-isolation")
+    # The short -C came with pip 23.1; Debian 12 has 23.0.
+    answer = environment.pip(*words, "--config-settings", plain_path, "-e", ROOT)
     if answer.returncode:
         raise SetupError(f"geoprim could not be installed: {last_line(answer.stderr)}")
 
@@ -245,7 +246,7 @@ def warm_kernels(environment: Environment) -> None:
     with environment.stamped("kernels", made_from) as stale:
         if not stale:
             return
-        say("compiling the kernels (a minute or two)")
+        say("compiling the kernels (three minutes or more)")
         if environment.call([environment.python, "-m", "geoprim_core.cli.main", "warm"]):
             raise SetupError("the kernels could not be compiled; the reason stands above")
 

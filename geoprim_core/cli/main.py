@@ -90,7 +90,7 @@ def _telling_of_compiling(command: str) -> AbstractContextManager[None]:
     if jit is None or command == "warm":  # which shows how far it is
         return nullcontext()
     where = jit.cache_base() or "nowhere: the cache folder cannot be written"
-    text = f"geoprim: compiling kernels, up to two minutes; they are kept in {where}"
+    text = f"geoprim: compiling kernels, a minute or two; they are kept in {where}"
     telling: AbstractContextManager[None] = jit.telling_of_compiling(
         lambda: print(text, file=sys.stderr, flush=True)
     )
