@@ -126,10 +126,9 @@ def judged_hypotheses(trace: SchemeTrace | RefinedTrace) -> tuple[Hypothesis, ..
 
 
 def _refined_hypotheses(trace: RefinedTrace) -> Iterator[Hypothesis]:
-    figures = trace.verified.figures
-    score = 1.0 / (1.0 + np.exp(-np.clip(figures[:, 0], -500.0, 500.0)))
+    score, figures = trace.verified.score.tolist(), trace.verified.figures
     for k, (x, y, major, minor, angle) in enumerate(trace.verified.ellipses.tolist()):
-        figure = float(score[k]), float(figures[k, 1])
+        figure = score[k], float(figures[k, 1])
         yield Hypothesis(x, y, major, minor, angle, *figure, trace.selection.reasons[k])
 
 

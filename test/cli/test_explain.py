@@ -55,3 +55,10 @@ def test_the_command_writes_pictures_and_table(tmp_path, capsys):
     assert float(first["semi_major"]) == pytest.approx(25.0, abs=0.3)
     assert first["reason"] == ""
     assert "1 reported" in capsys.readouterr().out
+
+
+def test_reported_hypotheses_have_the_scores_of_the_detections():
+    """They once had the evidence as log odds, which it is not: .60 for .82."""
+    explanation = explain_detection(thesis_image(12, seed=4).image)
+    reported = [h.score for h in explanation.hypotheses if not h.reason]
+    assert reported == pytest.approx(sorted(explanation.detections.score, reverse=True))
