@@ -33,6 +33,10 @@ LEG_ROS = tuple(
     f"test/ros/test_ros_{name}.py" for name in ("messages", "images", "bags", "nodes", "examples")
 )
 
+# What `geoprim warm` compiles, and what of it the demo needs: the rest takes longer.
+KERNELS = ("detection", "fitting", "schemes", "polygons", "tangents")
+DEMO_KERNELS = ("detection",)
+
 
 class Environment(NamedTuple):
     """A virtual environment in the tree; without a leg it is the usual one."""
@@ -111,7 +115,7 @@ def main() -> int:
     environment = Environment(getattr(arguments, "leg", ""))
     try:
         with exclusive():
-            set_up(environment)
+            set_up(environment, DEMO_KERNELS if arguments.command == "demo" else KERNELS)
         say(f"set-up ready after {time.monotonic() - start:.1f} s")
         return run(environment, arguments, rest)
     except SetupError as problem:
@@ -152,7 +156,7 @@ def test(environment: Environment, rest: list[str]) -> int:
     return environment.call([*pytest, "test/ros"]) or library
 
 
-def set_up(environment: Environment) -> None:
+def set_up(environment: Environment, kernels: Sequence[str]) -> None:
     """Bring an environment up to date: packages, messages, geoprim itself, kernels, bag."""
     check_machine(environment)
     made_from = f"{sys.version_info[:2]} {environment.folder}"
@@ -167,7 +171,7 @@ def set_up(environment: Environment) -> None:
     with environment.stamped("geoprim", digest(ROOT / "setup.py")) as stale:
         if stale:
             install_geoprim(environment)
-    warm_kernels(environment)
+    warm_kernels(environment, kernels)
     if not environment.leg:  # its tests build the bags that they need
         build_demo_bag(environment)
 
@@ -239,15 +243,17 @@ def install_geoprim(environment: Environment) -> None:
         raise SetupError(f"geoprim could not be installed: {last_line(answer.stderr)}")
 
 
-def warm_kernels(environment: Environment) -> None:
-    """Compile the numeric kernels once, so that nobody waits for them later."""
+def warm_kernels(environment: Environment, parts: Sequence[str]) -> None:
+    """Compile parts of the numeric kernels once, so that nobody waits for them later."""
     sources = sorted((ROOT / "geoprim_core").rglob("_kernels*.py"))
     made_from = digest(ROOT / "geoprim_core" / "_jit.py", *sources)
-    with environment.stamped("kernels", made_from) as stale:
+    with contextlib.ExitStack() as stamps:
+        each = [(p, environment.stamped(f"kernels of {p}", made_from)) for p in parts]
+        stale = [part for part, stamp in each if stamps.enter_context(stamp)]
         if not stale:
             return
-        say("compiling the kernels (three minutes or more)")
-        if environment.call([environment.python, "-m", "geoprim_core.cli.main", "warm"]):
+        say("compiling the kernels (some minutes)")
+        if environment.call([environment.python, "-m", "geoprim_core.cli.main", "warm", *stale]):
             raise SetupError("the kernels could not be compiled; the reason stands above")
 
 

@@ -17,6 +17,13 @@ from geoprim_core.warm import PARTS, remove_other_kernels, warm_kernels
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument(
+        "parts",
+        nargs="*",
+        metavar="PART",
+        default=tuple(PARTS),
+        help=f"what to compile, of {', '.join(PARTS)} (all)",
+    )
+    parser.add_argument(
         "--processes",
         type=whole(),
         default=os.cpu_count() or 1,
@@ -32,8 +39,9 @@ def run(arguments: argparse.Namespace) -> int:
     start = time.perf_counter()
     if arguments.clean:
         print(f"kernels of {remove_other_kernels()} other files removed")
-    with tqdm(total=len(PARTS), unit="part", file=sys.stderr, leave=False) as bar:
-        warm_kernels(processes=arguments.processes, step=lambda name: bar.update())
+    parts = arguments.parts
+    with tqdm(total=len(parts), unit="part", file=sys.stderr, leave=False) as bar:
+        warm_kernels(parts, processes=arguments.processes, step=lambda name: bar.update())
     where = cache_base() or "nowhere: the cache folder cannot be written"
     print(f"kernels ready after {time.perf_counter() - start:.1f} s, kept in {where}")
     return 0

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from geoprim_core.warm import PARTS
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -87,6 +89,34 @@ def test_a_leg_has_an_environment_and_versions_of_its_own(monkeypatch):
     tests = (*workspace.LEG_LIBRARY, *workspace.LEG_ROS)
     missing = [test for test in tests if not (ROOT / test).exists()]
     assert not missing
+
+
+def test_every_part_of_the_kernels_is_compiled_before_tests_and_the_detector_before_the_demo(
+    monkeypatch,
+):
+    monkeypatch.syspath_prepend(ROOT / "tools")
+    workspace = importlib.import_module("workspace")
+    assert tuple(PARTS) == workspace.KERNELS
+    assert set(workspace.DEMO_KERNELS) < set(PARTS)
+
+
+def test_a_part_that_is_compiled_is_not_compiled_again(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(ROOT / "tools")
+    workspace = importlib.import_module("workspace")
+    calls = []
+
+    class Recorded(workspace.Environment):
+        folder = tmp_path
+
+        def call(self, command):
+            calls.append(command[command.index("warm") + 1 :])
+            return 0
+
+    workspace.warm_kernels(Recorded(), workspace.DEMO_KERNELS)
+    workspace.warm_kernels(Recorded(), workspace.KERNELS)
+    workspace.warm_kernels(Recorded(), workspace.DEMO_KERNELS)
+    rest = [part for part in workspace.KERNELS if part not in workspace.DEMO_KERNELS]
+    assert calls == [list(workspace.DEMO_KERNELS), rest]
 
 
 def test_an_unknown_leg_is_refused(tree):

@@ -9,6 +9,7 @@ Its steps, by the names that the parameters give them, and where each is written
     verification  candidates.verify               verify improve outline places support ends owners
     acceptance    detector.cross_check, accept    thirds clutter
     selection     detector.select                 select
+    rough         rough.find_rough_outlines       rough_parts rough rough_choice
     refit         detector.refit_chosen           final covariance
     score         score.SCORE_MAP                 score
 
